@@ -1,0 +1,2 @@
+//! hidden-records
+fn main() {}
