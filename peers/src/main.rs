@@ -1,2 +1,44 @@
-//! peers
-fn main() {}
+//! `peers`: our integrator against other solvers, and the cost of the FMU's communication step.
+//!
+//! `peers bench` runs every solver on the same systems in one process tree and writes the
+//! work-precision tables and plot to `docs/`.
+
+mod bench;
+mod cvode;
+mod effort;
+mod files;
+mod measurement;
+mod plot;
+mod report;
+mod systems;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run all solvers on all systems; print and write tables and plot.
+    Bench(bench::Options),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Bench(options) => bench::run(&options),
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("peers: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
