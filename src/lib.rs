@@ -1,1 +1,3 @@
 //! stickslip
+
+pub mod cosim;

@@ -1,0 +1,25 @@
+//! Co-simulation: the variable table, the one model interface and its implementations.
+//!
+//! Nothing here knows the C interfaces; [`crate::ffi`] stands on it.
+
+mod identity;
+mod model;
+mod open;
+pub mod state;
+#[cfg(test)]
+pub(crate) mod test_model;
+mod token;
+pub mod units;
+mod variables;
+
+pub use identity::{
+    DefaultExperiment, Identity, LOG_CATEGORIES, LogCategory, MAX_INPUT_DERIVATIVE_ORDER,
+    MAX_OUTPUT_DERIVATIVE_ORDER,
+};
+pub use model::{CoSimulationModel, ModelError, StepEnd};
+pub use open::{MODEL_FILE, open};
+pub use state::{StateError, StateReader, StateWriter};
+pub use token::Token;
+pub use variables::{
+    Causality, Initial, TableError, Variability, Variable, VariableTable, VariableType,
+};

@@ -1,0 +1,112 @@
+//! The one interface between a model and the two C interfaces.
+
+use super::identity::Identity;
+use super::state::{StateError, StateReader, StateWriter};
+use super::token::Token;
+use super::variables::VariableTable;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// How a step ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepEnd {
+    /// The time that was reached [s]: the requested one, or that of the first switch if the step was
+    /// told to stop there.
+    pub time: f64,
+    /// Whether a mode changed after the start of the step and up to `time`.
+    pub switched: bool,
+}
+
+/// A component for co-simulation, as narrow as both standards allow.
+///
+/// Variables are addressed by their value reference in [`table`](Self::table). The caller has checked
+/// that a variable may be read or set in the present phase and that a value is finite and within the
+/// variable's limits.
+pub trait CoSimulationModel: Send {
+    /// Constants of the component.
+    fn identity(&self) -> &'static Identity;
+
+    /// All variables.
+    fn table(&self) -> &Arc<VariableTable>;
+
+    /// Hash of the table and of the resource from which the model was made.
+    fn token(&self) -> Token;
+
+    /// Start time [s] and relative tolerance of the run to come; `None` leaves the default tolerance.
+    fn set_up(&mut self, start_time: f64, tolerance: Option<f64>);
+
+    /// Ends the initialisation: from here on only inputs and tunable parameters change.
+    ///
+    /// # Errors
+    /// Parameters that contradict each other.
+    fn initialise(&mut self) -> Result<(), ModelError>;
+
+    /// Current value of a real variable.
+    ///
+    /// # Errors
+    /// The value cannot be computed with the present parameters.
+    fn real(&mut self, value_reference: u32) -> Result<f64, ModelError>;
+
+    /// Current value of a Boolean variable.
+    ///
+    /// # Errors
+    /// The value cannot be computed with the present parameters.
+    fn boolean(&mut self, value_reference: u32) -> Result<bool, ModelError>;
+
+    /// Sets a real variable at the current time.
+    ///
+    /// # Errors
+    /// The model refuses the value; it is left as it was.
+    fn set_real(&mut self, value_reference: u32, value: f64) -> Result<(), ModelError>;
+
+    /// Sets the time derivative of the given order (1 or more) of an input at the current time.
+    ///
+    /// # Errors
+    /// The model refuses the value; it is left as it was.
+    fn set_input_derivative(
+        &mut self,
+        value_reference: u32,
+        order: u32,
+        value: f64,
+    ) -> Result<(), ModelError>;
+
+    /// Time derivative of the given order (1 or more) of an output at the current time.
+    ///
+    /// # Errors
+    /// The value cannot be computed with the present parameters.
+    fn output_derivative(&mut self, value_reference: u32, order: u32) -> Result<f64, ModelError>;
+
+    /// Partial derivative of `unknown` (an output or local) with respect to `known` (an input or
+    /// parameter) at the current time, the state held.
+    ///
+    /// # Errors
+    /// The derivative does not exist or cannot be computed.
+    fn partial_derivative(&mut self, unknown: u32, known: u32) -> Result<f64, ModelError>;
+
+    /// Advances to the time `until` [s], or with `stop_at_switch` to the first switch if that comes
+    /// earlier. Not later than the current time: nothing happens.
+    ///
+    /// # Errors
+    /// The integrator gives up; the time stays where it got to.
+    fn step(&mut self, until: f64, stop_at_switch: bool) -> Result<StepEnd, ModelError>;
+
+    /// What happened since the last call that people may want to read in the log.
+    fn take_notices(&mut self) -> Vec<String>;
+
+    /// Writes all that the future depends on, so that a restored model continues bit for bit.
+    fn save(&self, state: &mut StateWriter);
+
+    /// The opposite of [`save`](Self::save).
+    ///
+    /// # Errors
+    /// The bytes are not those of a model with this token. The model is then as it was.
+    fn restore(&mut self, state: &mut StateReader<'_>) -> Result<(), StateError>;
+
+    /// Back to the state after construction.
+    fn reset(&mut self);
+}
+
+/// A model that cannot do what it was asked for.
+#[derive(Debug, Error)]
+#[error("{0}")]
+pub struct ModelError(pub String);
