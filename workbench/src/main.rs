@@ -1,2 +1,17 @@
-//! workbench
-fn main() {}
+//! The command `stickslip`. Exit codes: 0 done, 1 a check said no, 2 usage or input.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use workbench::cli::{self, Cli, Outcome};
+
+fn main() -> ExitCode {
+    match cli::run(&Cli::parse()) {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::CheckFailed) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("stickslip: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! What is read off a record: spectra, limit cycles and measures of agreement.
+
+pub mod limit_cycle;
+pub mod measures;
+pub mod spectrum;

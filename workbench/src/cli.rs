@@ -1,0 +1,33 @@
+//! The command line: one subcommand per module.
+
+use clap::{Parser, Subcommand};
+
+/// What a command came to; the process' exit code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// The work is done: 0.
+    Done,
+    /// The work is done and what it was to check does not hold: 1.
+    CheckFailed,
+}
+
+/// Friction-induced stick-slip of a motor-driven torsional rig: simulate it, map it, find what a model of it lacks.
+#[derive(Debug, Parser)]
+#[command(name = "stickslip", version, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {}
+
+/// Runs the command that was given.
+///
+/// # Errors
+/// Whatever is wrong with the usage or the input, in words for the user; the exit code is then 2.
+pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
+    match cli.command {}
+}

@@ -1,0 +1,625 @@
+//! Records: CSV files whose header names FMU variables, `time` first, SI units.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::atomic::{self, WriteError};
+
+/// A record: sample times and one series of equal length per named variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Where it came from, for messages.
+    source: String,
+    time: Vec<f64>,
+    columns: Vec<Column>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Column {
+    name: String,
+    values: Vec<f64>,
+}
+
+/// What to do with a value that is empty or `NaN`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Missing {
+    /// Refuse the record and say where it is.
+    Refuse,
+    /// Keep it as NaN; [`Record::missing`] lists such places.
+    KeepAsNan,
+}
+
+/// A hole in the sampling: a step longer than one and a half times the median step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gap {
+    /// Index of the sample before the hole.
+    pub after: usize,
+    /// Time of that sample [s].
+    pub time: f64,
+    /// Length of the step over the hole [s].
+    pub step: f64,
+}
+
+/// Why a record could not be read, written or used.
+#[derive(Debug, Error)]
+pub enum RecordError {
+    /// The file could not be read.
+    #[error("{path}: cannot be read: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The operating system's reason.
+        source: io::Error,
+    },
+    /// The file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The file has no header.
+    #[error("{file}: is empty; a header such as `time,u,N2` is needed")]
+    Empty {
+        /// The file.
+        file: String,
+    },
+    /// There is a header but no sample.
+    #[error("{file}: has a header and no sample below it")]
+    NoSamples {
+        /// The file.
+        file: String,
+    },
+    /// The first column is not `time`.
+    #[error(
+        "{file} line 1: the first column is `{found}`; it must be `time` [s], the others named like the FMU's variables, separated by commas"
+    )]
+    TimeNotFirst {
+        /// The file.
+        file: String,
+        /// What stands there.
+        found: String,
+    },
+    /// A column has no name, or two have the same.
+    #[error("{file} line 1: column {position} is named `{name}`, {problem}")]
+    ColumnName {
+        /// The file.
+        file: String,
+        /// Position, counted from 1.
+        position: usize,
+        /// The name as it stands there.
+        name: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// A line has another number of values than the header.
+    #[error("{file} line {line}: has {found} values; the header names {expected} columns")]
+    FieldCount {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Values found.
+        found: usize,
+        /// Columns in the header.
+        expected: usize,
+    },
+    /// A value is no finite number.
+    #[error(
+        "{file} line {line}, column `{column}`: `{found}` {problem}; a finite number such as 1.25e-3 is needed"
+    )]
+    Value {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Column name.
+        column: String,
+        /// The value as it stands there.
+        found: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// Time stands still or runs backward.
+    #[error(
+        "{file} line {line}, column `time`: {found} s comes after {before} s; times must increase from line to line"
+    )]
+    TimeOrder {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// The time on that line [s].
+        found: f64,
+        /// The time on the line before [s].
+        before: f64,
+    },
+    /// A column that is needed is not there.
+    #[error("{file}: has no column `{name}`; it has {available}")]
+    MissingColumn {
+        /// The file.
+        file: String,
+        /// The column that is needed.
+        name: String,
+        /// The columns it has.
+        available: String,
+    },
+    /// A series has another length than the time column.
+    #[error("{file}: column `{name}` has {found} values, `time` has {expected}")]
+    Length {
+        /// The file or what stands for it.
+        file: String,
+        /// The column.
+        name: String,
+        /// Its number of values.
+        found: usize,
+        /// Number of times.
+        expected: usize,
+    },
+}
+
+impl Record {
+    /// A record without columns yet; `source` names it in messages.
+    ///
+    /// # Errors
+    /// [`RecordError::TimeOrder`] or [`RecordError::Value`] where the times [s] do not increase or are not finite.
+    pub fn new(source: impl Into<String>, time: Vec<f64>) -> Result<Self, RecordError> {
+        let source = source.into();
+        check_times(&source, &time)?;
+        Ok(Self {
+            source,
+            time,
+            columns: Vec::new(),
+        })
+    }
+
+    /// Adds a column.
+    ///
+    /// # Errors
+    /// Where its length differs from that of the time column, or its name is taken.
+    pub fn add_column(
+        &mut self,
+        name: impl Into<String>,
+        values: Vec<f64>,
+    ) -> Result<(), RecordError> {
+        let name = name.into();
+        if values.len() != self.time.len() {
+            return Err(RecordError::Length {
+                file: self.source.clone(),
+                name,
+                found: values.len(),
+                expected: self.time.len(),
+            });
+        }
+        let position = self.columns.len() + 2;
+        if let Some(problem) = name_problem(&name, self.names()) {
+            return Err(RecordError::ColumnName {
+                file: self.source.clone(),
+                position,
+                name,
+                problem,
+            });
+        }
+        self.columns.push(Column { name, values });
+        Ok(())
+    }
+
+    /// Reads a record, refusing values that are missing or not finite.
+    ///
+    /// # Errors
+    /// [`RecordError`], naming file, line, column, what stands there and what is right.
+    pub fn read(path: &Path) -> Result<Self, RecordError> {
+        Self::read_with(path, Missing::Refuse)
+    }
+
+    /// Reads a record with a choice of what to do about missing values.
+    ///
+    /// # Errors
+    /// As for [`Record::read`].
+    pub fn read_with(path: &Path, missing: Missing) -> Result<Self, RecordError> {
+        let text = fs::read_to_string(path).map_err(|source| RecordError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::parse(&text, &path.display().to_string(), missing)
+    }
+
+    /// Reads a record from the text of a CSV file; `file` names it in messages.
+    ///
+    /// # Errors
+    /// As for [`Record::read`].
+    pub fn parse(text: &str, file: &str, missing: Missing) -> Result<Self, RecordError> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut lines = text
+            .lines()
+            .enumerate()
+            .filter(|(_, line)| !line.trim().is_empty());
+        let Some((_, header)) = lines.next() else {
+            return Err(RecordError::Empty {
+                file: file.to_owned(),
+            });
+        };
+        let names = parse_header(header, file)?;
+        let mut series: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
+        for (index, line) in lines {
+            let line_number = index + 1;
+            let found = line.split(',').count();
+            if found != names.len() {
+                return Err(RecordError::FieldCount {
+                    file: file.to_owned(),
+                    line: line_number,
+                    found,
+                    expected: names.len(),
+                });
+            }
+            for (position, field) in line.split(',').enumerate() {
+                // A sample without its time has no place in the record, whatever is done about other missing values.
+                let rule = if position == 0 {
+                    Missing::Refuse
+                } else {
+                    missing
+                };
+                let value =
+                    parse_value(field.trim(), rule).map_err(|problem| RecordError::Value {
+                        file: file.to_owned(),
+                        line: line_number,
+                        column: names[position].clone(),
+                        found: field.trim().to_owned(),
+                        problem,
+                    })?;
+                if position == 0
+                    && let Some(&before) = series[0].last()
+                    && value <= before
+                {
+                    return Err(RecordError::TimeOrder {
+                        file: file.to_owned(),
+                        line: line_number,
+                        found: value,
+                        before,
+                    });
+                }
+                series[position].push(value);
+            }
+        }
+        let mut series = series.into_iter();
+        let time = series.next().unwrap_or_default();
+        if time.is_empty() {
+            return Err(RecordError::NoSamples {
+                file: file.to_owned(),
+            });
+        }
+        let columns = names
+            .into_iter()
+            .skip(1)
+            .zip(series)
+            .map(|(name, values)| Column { name, values })
+            .collect();
+        Ok(Self {
+            source: file.to_owned(),
+            time,
+            columns,
+        })
+    }
+
+    /// The record as CSV; reading it back gives the same numbers bit for bit.
+    #[must_use]
+    pub fn to_csv(&self) -> String {
+        let mut text = String::with_capacity((self.columns.len() + 1) * (self.time.len() + 1) * 12);
+        text.push_str("time");
+        for column in &self.columns {
+            text.push(',');
+            text.push_str(&column.name);
+        }
+        text.push('\n');
+        for (row, time) in self.time.iter().enumerate() {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{time:?}");
+            for column in &self.columns {
+                let _ = write!(text, ",{:?}", column.values[row]);
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    /// Writes the record whole or not at all.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`] where the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), RecordError> {
+        Ok(atomic::write_file(path, self.to_csv().as_bytes())?)
+    }
+
+    /// What messages call this record: its file.
+    #[must_use]
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// Sample times [s], increasing.
+    #[must_use]
+    pub fn time(&self) -> &[f64] {
+        &self.time
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Whether there is no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Names of the columns after `time`, in their order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.columns.iter().map(|column| column.name.as_str())
+    }
+
+    /// The series of a column, if there is one of that name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns
+            .iter()
+            .find(|column| column.name == name)
+            .map(|column| column.values.as_slice())
+    }
+
+    /// The series of a column that is needed.
+    ///
+    /// # Errors
+    /// [`RecordError::MissingColumn`], listing the columns there are.
+    pub fn require(&self, name: &str) -> Result<&[f64], RecordError> {
+        self.column(name).ok_or_else(|| RecordError::MissingColumn {
+            file: self.source.clone(),
+            name: name.to_owned(),
+            available: std::iter::once("time")
+                .chain(self.names())
+                .collect::<Vec<_>>()
+                .join(", "),
+        })
+    }
+
+    /// Median of the sampling steps [s]; NaN with fewer than two samples.
+    #[must_use]
+    pub fn median_step(&self) -> f64 {
+        let mut steps: Vec<f64> = self.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        steps.get(steps.len() / 2).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The holes in the sampling, in order of time.
+    #[must_use]
+    pub fn gaps(&self) -> Vec<Gap> {
+        let longest = 1.5 * self.median_step();
+        self.time
+            .windows(2)
+            .enumerate()
+            .filter(|(_, pair)| pair[1] - pair[0] > longest)
+            .map(|(after, pair)| Gap {
+                after,
+                time: pair[0],
+                step: pair[1] - pair[0],
+            })
+            .collect()
+    }
+
+    /// Places of missing values as (column name, sample index).
+    #[must_use]
+    pub fn missing(&self) -> Vec<(&str, usize)> {
+        self.columns
+            .iter()
+            .flat_map(|column| {
+                let name = column.name.as_str();
+                column
+                    .values
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, value)| !value.is_finite())
+                    .map(move |(row, _)| (name, row))
+            })
+            .collect()
+    }
+
+    /// The samples with `from` ≤ time < `to` [s].
+    #[must_use]
+    pub fn window(&self, from: f64, to: f64) -> Self {
+        let start = self.time.partition_point(|&time| time < from);
+        let end = self.time.partition_point(|&time| time < to).max(start);
+        Self {
+            source: self.source.clone(),
+            time: self.time[start..end].to_vec(),
+            columns: self
+                .columns
+                .iter()
+                .map(|column| Column {
+                    name: column.name.clone(),
+                    values: column.values[start..end].to_vec(),
+                })
+                .collect(),
+        }
+    }
+}
+
+fn check_times(file: &str, time: &[f64]) -> Result<(), RecordError> {
+    for (row, &value) in time.iter().enumerate() {
+        // The header is line 1.
+        let line = row + 2;
+        if !value.is_finite() {
+            return Err(RecordError::Value {
+                file: file.to_owned(),
+                line,
+                column: "time".to_owned(),
+                found: value.to_string(),
+                problem: "is not finite",
+            });
+        }
+        if row > 0 && value <= time[row - 1] {
+            return Err(RecordError::TimeOrder {
+                file: file.to_owned(),
+                line,
+                found: value,
+                before: time[row - 1],
+            });
+        }
+    }
+    Ok(())
+}
+
+fn parse_header(header: &str, file: &str) -> Result<Vec<String>, RecordError> {
+    let mut names: Vec<String> = Vec::new();
+    for (index, field) in header.split(',').enumerate() {
+        let name = field.trim().trim_matches('"').to_owned();
+        if index == 0 {
+            if name != "time" {
+                return Err(RecordError::TimeNotFirst {
+                    file: file.to_owned(),
+                    found: name,
+                });
+            }
+        } else if let Some(problem) = name_problem(&name, names.iter().skip(1).map(String::as_str))
+        {
+            return Err(RecordError::ColumnName {
+                file: file.to_owned(),
+                position: index + 1,
+                name,
+                problem,
+            });
+        }
+        names.push(name);
+    }
+    Ok(names)
+}
+
+fn name_problem<'a>(name: &str, mut others: impl Iterator<Item = &'a str>) -> Option<&'static str> {
+    if name.is_empty() {
+        Some("which is empty; name a variable of the FMU")
+    } else if name == "time" || others.any(|other| other == name) {
+        Some("which an earlier column is named already")
+    } else if name.contains([',', '"', '\n', '\r']) {
+        Some("which contains a comma, a quote or a line break")
+    } else {
+        None
+    }
+}
+
+fn parse_value(field: &str, missing: Missing) -> Result<f64, &'static str> {
+    if field.is_empty() {
+        return match missing {
+            Missing::Refuse => Err("is empty"),
+            Missing::KeepAsNan => Ok(f64::NAN),
+        };
+    }
+    match field.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(value) if value.is_nan() && missing == Missing::KeepAsNan => Ok(f64::NAN),
+        Ok(_) => Err("is not finite"),
+        Err(_) => Err("is not a number"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(text: &str) -> String {
+        Record::parse(text, "run.csv", Missing::Refuse)
+            .unwrap_err()
+            .to_string()
+    }
+
+    #[test]
+    fn a_record_survives_being_written_and_read() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("run.csv");
+        let mut record = Record::new(path.display().to_string(), vec![0.0, 0.1, 0.2]).unwrap();
+        record
+            .add_column("theta", vec![1.0 / 3.0, -1e-300, 6.02e23])
+            .unwrap();
+        record.add_column("contact.mu_s", vec![0.2; 3]).unwrap();
+        record.write(&path).unwrap();
+        assert_eq!(Record::read(&path).unwrap(), record);
+    }
+
+    #[test]
+    fn marks_of_other_programs_are_read() {
+        let record = Record::parse(
+            "\u{feff}\"time\",\"u\"\r\n0, 1\r\n\r\n1, 2\r\n",
+            "run.csv",
+            Missing::Refuse,
+        )
+        .unwrap();
+        assert_eq!(record.time(), [0.0, 1.0]);
+        assert_eq!(record.column("u"), Some([1.0, 2.0].as_slice()));
+    }
+
+    #[test]
+    fn messages_name_file_line_column_and_value() {
+        assert_eq!(
+            refused("time,u\n0,1\n1,abc\n"),
+            "run.csv line 3, column `u`: `abc` is not a number; a finite number such as 1.25e-3 is needed"
+        );
+        assert!(refused("time,u\n0,NaN\n").contains("line 2, column `u`: `NaN` is not finite"));
+        assert!(refused("time,u\n0,\n").contains("`` is empty"));
+        assert!(
+            refused("time,u\n0,1\n0,1\n").contains("line 3, column `time`: 0 s comes after 0 s")
+        );
+        assert!(
+            refused("time,u\n0,1,2\n").contains("line 2: has 3 values; the header names 2 columns")
+        );
+        assert!(refused("time;u\n0;1\n").contains("the first column is `time;u`"));
+        assert!(refused("time,u,u\n0,1,2\n").contains("column 3 is named `u`"));
+        assert!(refused("time,,u\n0,1,2\n").contains("column 2 is named ``, which is empty"));
+        assert!(refused("").contains("is empty"));
+        assert!(refused("time,u\n").contains("no sample"));
+    }
+
+    #[test]
+    fn a_missing_column_is_answered_with_those_there_are() {
+        let record = Record::parse("time,u\n0,1\n", "run.csv", Missing::Refuse).unwrap();
+        assert_eq!(
+            record.require("N2").unwrap_err().to_string(),
+            "run.csv: has no column `N2`; it has time, u"
+        );
+    }
+
+    #[test]
+    fn missing_values_are_kept_and_listed_on_request() {
+        let record =
+            Record::parse("time,u,N2\n0,1,\n1,nan,2\n", "run.csv", Missing::KeepAsNan).unwrap();
+        assert_eq!(record.missing(), [("u", 1), ("N2", 0)]);
+        let timeless = Record::parse("time,u\n,1\n", "run.csv", Missing::KeepAsNan);
+        assert!(matches!(timeless, Err(RecordError::Value { .. })));
+    }
+
+    #[test]
+    fn gaps_and_windows() {
+        let record = Record::new("memory", vec![0.0, 0.1, 0.2, 0.6, 0.7]).unwrap();
+        let gaps = record.gaps();
+        assert_eq!(gaps.len(), 1);
+        assert_eq!(gaps[0].after, 2);
+        assert!((gaps[0].step - 0.4).abs() < 1e-12);
+        assert_eq!(record.window(0.1, 0.6).time(), [0.1, 0.2]);
+        assert!(record.window(5.0, 1.0).is_empty());
+    }
+
+    #[test]
+    fn series_of_another_length_are_refused() {
+        let mut record = Record::new("memory", vec![0.0, 1.0]).unwrap();
+        assert!(matches!(
+            record.add_column("u", vec![1.0]),
+            Err(RecordError::Length {
+                found: 1,
+                expected: 2,
+                ..
+            })
+        ));
+        assert!(matches!(
+            Record::new("memory", vec![0.0, 0.0]),
+            Err(RecordError::TimeOrder { .. })
+        ));
+    }
+}
