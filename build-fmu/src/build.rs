@@ -1,0 +1,173 @@
+//! From a `model.toml` and a library to FMUs on disk.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use stickslip::cosim::{self, CoSimulationModel, ModelError};
+use thiserror::Error;
+
+use crate::archive::{ArchiveError, write_atomically};
+use crate::binary_check::{self, BinaryError, Expectation};
+use crate::contents::{ContentsError, contents};
+use crate::library::Library;
+use crate::model_description::{Facts, XmlError, model_description};
+use crate::platform::FmiVersion;
+
+/// Why an FMU could not be built.
+#[derive(Debug, Error)]
+pub enum BuildError {
+    /// The model file could not be read.
+    #[error("model file {} could not be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The model file does not describe a model; the reason names file, key and value.
+    #[error("{0}")]
+    Model(#[from] ModelError),
+    /// The model file is not TOML.
+    #[error("{file_name}: {source}")]
+    Toml {
+        /// The file as the user named it.
+        file_name: String,
+        /// Place and reason.
+        source: Box<toml::de::Error>,
+    },
+    /// The library must not be packed.
+    #[error(transparent)]
+    Binary(#[from] BinaryError),
+    /// The content could not be made.
+    #[error(transparent)]
+    Contents(#[from] ContentsError),
+    /// The XML could not be written.
+    #[error(transparent)]
+    Xml(#[from] XmlError),
+    /// The FMU could not be written.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+}
+
+/// A model that is ready to be packed.
+pub struct Source {
+    text: String,
+    parsed: toml::Table,
+    model: Box<dyn CoSimulationModel>,
+    token: String,
+}
+
+/// An FMU that was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Built {
+    /// The file.
+    pub path: PathBuf,
+    /// Its size [bytes].
+    pub size: usize,
+    /// The version of the standard that it follows.
+    pub version: FmiVersion,
+}
+
+impl Source {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// [`BuildError::Read`], or as [`Source::from_text`].
+    pub fn read(path: &Path) -> Result<Self, BuildError> {
+        let text = fs::read_to_string(path).map_err(|source| BuildError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::from_text(text, &path.display().to_string())
+    }
+
+    /// The model that `text` describes; `file_name` is for messages.
+    ///
+    /// # Errors
+    /// [`BuildError::Model`] or [`BuildError::Toml`] with the place in the file.
+    pub fn from_text(text: String, file_name: &str) -> Result<Self, BuildError> {
+        let model = cosim::open(&text, file_name)?;
+        let parsed = text.parse().map_err(|source| BuildError::Toml {
+            file_name: file_name.to_owned(),
+            source: Box::new(source),
+        })?;
+        let token = model.token().to_string();
+        Ok(Self {
+            text,
+            parsed,
+            model,
+            token,
+        })
+    }
+
+    /// What the XML is written from.
+    pub fn facts(&self) -> Facts<'_> {
+        Facts {
+            identity: self.model.identity(),
+            token: &self.token,
+            table: self.model.table(),
+        }
+    }
+
+    /// `modelDescription.xml` for one version of the standard.
+    ///
+    /// # Errors
+    /// [`BuildError::Xml`] if the XML writer fails.
+    pub fn model_description(&self, version: FmiVersion) -> Result<String, BuildError> {
+        Ok(model_description(&self.facts(), version)?)
+    }
+
+    /// File name of the FMU: `ReducedRig.fmi2.fmu`.
+    pub fn fmu_file_name(&self, version: FmiVersion) -> String {
+        format!(
+            "{}.{}.fmu",
+            self.model.identity().model_identifier,
+            version.tag()
+        )
+    }
+
+    /// File name of the kept copy of the model description: `ReducedRig.fmi2.xml`.
+    pub fn xml_file_name(&self, version: FmiVersion) -> String {
+        format!(
+            "{}.{}.xml",
+            self.model.identity().model_identifier,
+            version.tag()
+        )
+    }
+
+    /// The bytes of the FMU; the library is loaded and checked first.
+    ///
+    /// # Errors
+    /// [`BuildError::Binary`] if the library fails its check, [`BuildError::Contents`] or
+    /// [`BuildError::Archive`] if the archive cannot be made.
+    pub fn to_bytes(&self, library: &Library, version: FmiVersion) -> Result<Vec<u8>, BuildError> {
+        let facts = self.facts();
+        let expectation = Expectation {
+            model_identifier: facts.identity.model_identifier,
+            token: facts.token,
+            model_toml: &self.text,
+        };
+        binary_check::check(library, version, &expectation)?;
+        Ok(contents(&facts, version, library, &self.text, &self.parsed)?.to_bytes()?)
+    }
+
+    /// Checks the library, packs the FMU and writes it into `folder`, whole or not at all.
+    ///
+    /// # Errors
+    /// As [`Source::to_bytes`], and [`BuildError::Archive`] if the file cannot be written.
+    pub fn build(
+        &self,
+        library: &Library,
+        version: FmiVersion,
+        folder: &Path,
+    ) -> Result<Built, BuildError> {
+        let bytes = self.to_bytes(library, version)?;
+        let path = folder.join(self.fmu_file_name(version));
+        write_atomically(&path, &bytes)?;
+        Ok(Built {
+            path,
+            size: bytes.len(),
+            version,
+        })
+    }
+}

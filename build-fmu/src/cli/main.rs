@@ -1,0 +1,106 @@
+//! `build-fmu`: packs a `model.toml` and the prebuilt library into FMUs.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context;
+use build_fmu::archive::write_atomically;
+use build_fmu::build::Source;
+use build_fmu::library;
+use build_fmu::platform::FmiVersion;
+use clap::{Parser, ValueEnum};
+
+/// Exit code for wrong usage or input; 1 is kept for checks that say no.
+const INPUT_ERROR: u8 = 2;
+
+/// Packs a model.toml and the prebuilt stickslip library into FMI 2.0 and FMI 3.0 FMUs.
+#[derive(Debug, Parser)]
+#[command(
+    name = "build-fmu",
+    version,
+    after_help = "Example:\n  build-fmu modelDescription/reduced-rig.toml --out out\n\
+                  writes out/ReducedRig.fmi2.fmu and out/ReducedRig.fmi3.fmu.\n\
+                  Needs neither cargo nor a compiler: the library lies beside this program."
+)]
+struct Arguments {
+    /// The model: parts, friction law and effects of the rig with their numbers.
+    model: PathBuf,
+    /// Folder for the FMUs; made if it is missing.
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["print_xml", "write_xml"])]
+    out: Option<PathBuf>,
+    /// Version of the standard; both if not given.
+    #[arg(long, value_enum, value_name = "VERSION")]
+    fmi: Option<Version>,
+    /// The library to pack [default: the one beside this program].
+    #[arg(long, value_name = "PATH")]
+    library: Option<PathBuf>,
+    /// Print modelDescription.xml instead of building an FMU; needs --fmi.
+    #[arg(long, requires = "fmi", conflicts_with_all = ["out", "write_xml"])]
+    print_xml: bool,
+    /// Write MODEL.fmi2.xml and MODEL.fmi3.xml into a folder instead of building FMUs.
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
+    write_xml: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Version {
+    #[value(name = "2")]
+    Two,
+    #[value(name = "3")]
+    Three,
+}
+
+impl From<Version> for FmiVersion {
+    fn from(version: Version) -> Self {
+        match version {
+            Version::Two => FmiVersion::Fmi2,
+            Version::Three => FmiVersion::Fmi3,
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("build-fmu: {error:#}");
+            ExitCode::from(INPUT_ERROR)
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let source = Source::read(&arguments.model)?;
+    let versions = match arguments.fmi {
+        Some(version) => vec![FmiVersion::from(version)],
+        None => FmiVersion::ALL.to_vec(),
+    };
+    if arguments.print_xml {
+        for version in versions {
+            print!("{}", source.model_description(version)?);
+        }
+        return Ok(());
+    }
+    if let Some(folder) = &arguments.write_xml {
+        for version in versions {
+            let path = folder.join(source.xml_file_name(version));
+            write_atomically(&path, source.model_description(version)?.as_bytes())?;
+            println!("{}", path.display());
+        }
+        return Ok(());
+    }
+    let folder = arguments
+        .out
+        .as_deref()
+        .context("name a folder for the FMUs with --out DIR")?;
+    let library = library::find(arguments.library.as_deref())?;
+    for version in versions {
+        let built = source.build(&library, version, folder)?;
+        println!(
+            "{} ({} KiB)",
+            built.path.display(),
+            built.size.div_ceil(1024)
+        );
+    }
+    Ok(())
+}

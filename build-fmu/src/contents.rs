@@ -1,0 +1,79 @@
+//! What is in an FMU and where: the folders of both standards.
+
+use stickslip::cosim::MODEL_FILE;
+use thiserror::Error;
+
+use crate::archive::{Archive, ArchiveError};
+use crate::documentation;
+use crate::icon::{self, IconError};
+use crate::library::Library;
+use crate::model_description::{Facts, XmlError, model_description, terminals_and_icons};
+use crate::platform::FmiVersion;
+
+const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
+const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");
+const LICENSE_ENTRY: &str = "stickslip is licensed under either of\n\n\
+    * the MIT License (LICENSE-MIT)\n* the Apache License, Version 2.0 (LICENSE-APACHE)\n\nat your option.\n";
+const LICENSE_SPDX: &str = "SPDXVersion: SPDX-2.3\nDataLicense: CC0-1.0\nPackageName: stickslip\n\
+    PackageLicenseDeclared: MIT OR Apache-2.0\n";
+
+/// Why an FMU's content could not be put together.
+#[derive(Debug, Error)]
+pub enum ContentsError {
+    /// The XML could not be written.
+    #[error(transparent)]
+    Xml(#[from] XmlError),
+    /// The icon could not be drawn.
+    #[error(transparent)]
+    Icon(#[from] IconError),
+    /// A file could not be added.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+}
+
+/// All files of the FMU, `model_toml` being the resource as text and `model` the same parsed.
+///
+/// # Errors
+/// [`ContentsError`] if one of the files cannot be made.
+pub fn contents(
+    facts: &Facts<'_>,
+    version: FmiVersion,
+    library: &Library,
+    model_toml: &str,
+    model: &toml::Table,
+) -> Result<Archive, ContentsError> {
+    let mut archive = Archive::default();
+    archive.add("modelDescription.xml", model_description(facts, version)?)?;
+    archive.add(&format!("resources/{MODEL_FILE}"), model_toml)?;
+    archive.add(
+        "documentation/index.html",
+        documentation::page(facts, model),
+    )?;
+    let binary = format!(
+        "binaries/{}/{}.{}",
+        library.platform.folder(version),
+        facts.identity.model_identifier,
+        library.platform.library_extension()
+    );
+    archive.add(&binary, library.content.as_slice())?;
+    let icon = icon::png()?;
+    let licenses = match version {
+        FmiVersion::Fmi2 => {
+            archive.add("model.png", icon)?;
+            "licenses"
+        }
+        FmiVersion::Fmi3 => {
+            archive.add("terminalsAndIcons/icon.png", icon)?;
+            archive.add(
+                "terminalsAndIcons/terminalsAndIcons.xml",
+                terminals_and_icons(facts)?,
+            )?;
+            "documentation/licenses"
+        }
+    };
+    archive.add(&format!("{licenses}/license.txt"), LICENSE_ENTRY)?;
+    archive.add(&format!("{licenses}/license.spdx"), LICENSE_SPDX)?;
+    archive.add(&format!("{licenses}/LICENSE-MIT"), LICENSE_MIT)?;
+    archive.add(&format!("{licenses}/LICENSE-APACHE"), LICENSE_APACHE)?;
+    Ok(archive)
+}

@@ -1,2 +1,0 @@
-//! build-fmu
-fn main() {}
