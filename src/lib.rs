@@ -1,3 +1,11 @@
-//! stickslip
+//! Friction-induced stick-slip of a motor-driven torsional rig: friction laws, plants, an exact
+//! hybrid integrator and their export as FMI co-simulation components.
+//!
+//! Dependencies run one way: friction ← plant ← cosim ← ffi; the integrator knows no plant.
 
 pub mod cosim;
+pub mod friction;
+pub mod integrator;
+pub mod parameter;
+pub mod plant;
+pub mod series;

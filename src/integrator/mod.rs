@@ -1,0 +1,12 @@
+//! The hybrid integrator: Taylor series of high order within a mode, exact switches between modes.
+
+mod error;
+mod simulation;
+mod statistics;
+mod step_size;
+mod system;
+
+pub use error::IntegrationError;
+pub use simulation::{Options, Segment, Simulation, Snapshot, SwitchEvent};
+pub use statistics::Statistics;
+pub use system::{Guard, HybridSystem};

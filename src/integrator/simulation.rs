@@ -1,0 +1,474 @@
+//! A run of a hybrid system: segment after segment, each a polynomial that holds until the next switch.
+
+use super::step_size::from_last_terms;
+use super::{HybridSystem, IntegrationError, Statistics};
+use crate::series::{Scalar, evaluate, evaluate_derivative, first_loss_of_sign};
+
+/// Switches at one instant (within [`INSTANT`]) that count as chattering.
+const CHATTERING: u32 = 200;
+/// Time [s] below which switches count as simultaneous.
+const INSTANT: f64 = 1e-10;
+/// Relative size below which a leading coefficient of the guard that was just crossed is rounding.
+const ROUNDING: f64 = 1e-11;
+
+/// How a run is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Local error of a segment, absolute for angles (rad), relative to 1 + |x| for the rest.
+    pub tolerance: f64,
+    /// Order of the Taylor polynomials, 4 to `TERMS` − 1.
+    pub order: usize,
+    /// Longest segment [s].
+    pub longest_step: f64,
+    /// Segments that one call may spend.
+    pub budget: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-12,
+            order: 21,
+            longest_step: 0.25,
+            budget: 50_000_000,
+        }
+    }
+}
+
+/// Why a segment ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum End<K> {
+    /// The polynomial is used up.
+    Step,
+    /// A guard is lost.
+    Switch(K),
+    /// A branch of the right-hand side ends.
+    Fold,
+}
+
+/// One polynomial piece of the motion.
+#[derive(Clone, Debug)]
+pub struct Segment<S, J> {
+    /// Start [s]; carries derivatives if the switch before it does.
+    pub start: S,
+    /// Length [s].
+    pub length: S,
+    /// Its series.
+    pub jet: J,
+}
+
+/// A switch that happened or is about to happen at the end of the present segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SwitchEvent<K> {
+    /// When [s].
+    pub time: f64,
+    /// Which guard is lost; `None` for a jump between branches.
+    pub guard: Option<K>,
+}
+
+/// Everything that a run needs to go on, as values.
+#[derive(Clone, Debug)]
+pub struct Snapshot<S, M, X, U> {
+    /// Start of the present segment [s].
+    pub start: S,
+    /// State at the start of the segment.
+    pub state: X,
+    /// Mode in the segment.
+    pub mode: M,
+    /// Inputs in force.
+    pub inputs: U,
+    /// Whether the segment begins right behind a switch.
+    pub departing: bool,
+    /// Counters.
+    pub statistics: Statistics,
+}
+
+/// A run of the system `P` over numbers `S`.
+#[derive(Clone, Debug)]
+pub struct Simulation<S: Scalar, P: HybridSystem<S>> {
+    system: P,
+    options: Options,
+    inputs: P::Inputs,
+    mode: P::Mode,
+    state: P::State,
+    start: S,
+    length: S,
+    end: End<P::GuardKind>,
+    departing: bool,
+    jet: P::Jet,
+    scratch: P::Jet,
+    statistics: Statistics,
+    instant: f64,
+    simultaneous: u32,
+    expanded: bool,
+}
+
+impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
+    /// A run that starts at `time` [s] from `state`.
+    pub fn new(
+        system: P,
+        options: Options,
+        time: f64,
+        state: P::State,
+        inputs: P::Inputs,
+    ) -> Result<Self, IntegrationError> {
+        let mut jet = system.new_jet();
+        let mut state = state;
+        let start = S::constant(time);
+        let mode = system.initial_mode(start, &mut state, &inputs, &mut jet);
+        let mut simulation = Self {
+            scratch: jet.clone(),
+            system,
+            options,
+            inputs,
+            mode,
+            state,
+            start,
+            length: S::ZERO,
+            end: End::Step,
+            departing: false,
+            jet,
+            statistics: Statistics::default(),
+            instant: time,
+            simultaneous: 0,
+            expanded: false,
+        };
+        simulation.expand()?;
+        Ok(simulation)
+    }
+
+    /// The system.
+    pub fn system(&self) -> &P {
+        &self.system
+    }
+
+    /// Inputs in force.
+    pub fn inputs(&self) -> &P::Inputs {
+        &self.inputs
+    }
+
+    /// Mode within the present segment.
+    pub fn mode(&self) -> &P::Mode {
+        &self.mode
+    }
+
+    /// Series of the present segment.
+    pub fn jet(&self) -> &P::Jet {
+        &self.jet
+    }
+
+    /// Start of the present segment [s].
+    pub fn segment_start(&self) -> S {
+        self.start
+    }
+
+    /// End of the present segment [s].
+    #[inline(always)]
+    pub fn segment_end(&self) -> f64 {
+        self.start.value() + self.length.value()
+    }
+
+    /// Counters of the run.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// The switch that ends the present segment, if one does.
+    pub fn pending_switch(&self) -> Option<SwitchEvent<P::GuardKind>> {
+        let time = self.segment_end();
+        match self.end {
+            End::Step => None,
+            End::Switch(guard) => Some(SwitchEvent {
+                time,
+                guard: Some(guard),
+            }),
+            End::Fold => Some(SwitchEvent { time, guard: None }),
+        }
+    }
+
+    /// Runs on until the present segment covers `time` [s].
+    pub fn advance_to(&mut self, time: f64) -> Result<(), IntegrationError> {
+        let first = self.statistics.segments;
+        while self.segment_end() < time {
+            if self.statistics.segments - first >= self.options.budget {
+                return Err(IntegrationError::BudgetExhausted {
+                    segments: self.options.budget,
+                    target: time,
+                    time: self.segment_end(),
+                    mode: self.system.describe(&self.mode),
+                });
+            }
+            self.next_segment()?;
+        }
+        Ok(())
+    }
+
+    /// Goes to the next segment, through the switch that ends the present one if there is one.
+    pub fn next_segment(&mut self) -> Result<(), IntegrationError> {
+        let tau = self.length;
+        let end = self.end;
+        let state = self.state_after(tau);
+        self.mode = self.system.carry(&self.mode, &self.jet, tau.value());
+        self.state = state;
+        self.start += tau;
+        self.departing = false;
+        match end {
+            End::Step => {}
+            End::Switch(guard) => {
+                self.mode = self.system.switch(
+                    &self.mode,
+                    guard,
+                    self.start,
+                    &mut self.state,
+                    &self.inputs,
+                    &mut self.scratch,
+                );
+                self.statistics.switches += 1;
+                self.departing = true;
+                self.count_simultaneous()?;
+            }
+            End::Fold => {
+                self.mode = self.system.leave_fold(&self.mode);
+                self.statistics.switches += 1;
+                self.statistics.branch_jumps += 1;
+                self.count_simultaneous()?;
+            }
+        }
+        self.expand()
+    }
+
+    fn count_simultaneous(&mut self) -> Result<(), IntegrationError> {
+        let now = self.start.value();
+        if now - self.instant > INSTANT {
+            self.instant = now;
+            self.simultaneous = 0;
+        }
+        self.simultaneous += 1;
+        if self.simultaneous > CHATTERING {
+            return Err(IntegrationError::Chattering {
+                time: now,
+                mode: self.system.describe(&self.mode),
+                switches: self.simultaneous,
+                span: now - self.instant,
+            });
+        }
+        Ok(())
+    }
+
+    /// State at `time` [s], which the present segment must cover.
+    #[inline]
+    pub fn state_at(&self, time: f64) -> P::State {
+        self.state_after(S::constant(time) - self.start)
+    }
+
+    /// Component `index` of the state at `time` [s], which the present segment must cover.
+    #[inline]
+    pub fn component_at(&self, index: usize, time: f64) -> S {
+        let order = self.options.order;
+        evaluate(
+            &self.system.states(&self.jet)[index][..=order],
+            S::constant(time) - self.start,
+        )
+    }
+
+    fn state_after(&self, tau: S) -> P::State {
+        let mut state = self.state;
+        let order = self.options.order;
+        let series = self.system.states(&self.jet);
+        for (value, coefficients) in state.as_mut().iter_mut().zip(series) {
+            *value = evaluate(&coefficients[..=order], tau);
+        }
+        state
+    }
+
+    /// Replaces the inputs from `time` [s] on; what was computed beyond is discarded.
+    pub fn set_inputs(&mut self, time: f64, inputs: P::Inputs) -> Result<(), IntegrationError> {
+        self.cut(time)?;
+        self.inputs = inputs;
+        self.expand()
+    }
+
+    /// Replaces the system from `time` [s] on, for example after a parameter changed; what was
+    /// computed beyond is discarded.
+    pub fn set_system(&mut self, time: f64, system: P) -> Result<(), IntegrationError> {
+        self.cut(time)?;
+        self.jet = system.new_jet();
+        self.scratch = self.jet.clone();
+        self.system = system;
+        self.expand()
+    }
+
+    /// Replaces the state at `time` [s] and finds its mode anew.
+    pub fn set_state(&mut self, time: f64, state: P::State) -> Result<(), IntegrationError> {
+        self.state = state;
+        self.start = S::constant(time);
+        self.departing = false;
+        self.mode =
+            self.system
+                .initial_mode(self.start, &mut self.state, &self.inputs, &mut self.scratch);
+        self.expand()
+    }
+
+    /// Begins a new segment at `time` within the present one, in the same mode.
+    fn cut(&mut self, time: f64) -> Result<(), IntegrationError> {
+        self.advance_to(time)?;
+        let tau = S::constant(time) - self.start;
+        if tau.value() < -1e-9 {
+            return Err(IntegrationError::BackInTime {
+                time,
+                start: self.start.value(),
+            });
+        }
+        if tau.value() < self.length.value() {
+            self.statistics.discarded += 1;
+        }
+        let state = self.state_after(tau);
+        self.mode = self.system.carry(&self.mode, &self.jet, tau.value());
+        self.state = state;
+        self.start = S::constant(time);
+        self.departing = false;
+        Ok(())
+    }
+
+    /// What is needed to go on from here.
+    pub fn snapshot(&self) -> Snapshot<S, P::Mode, P::State, P::Inputs> {
+        Snapshot {
+            start: self.start,
+            state: self.state,
+            mode: self.mode,
+            inputs: self.inputs.clone(),
+            departing: self.departing,
+            statistics: self.statistics,
+        }
+    }
+
+    /// Goes back (or on) to a snapshot: the segment is computed again, bit for bit the same.
+    pub fn restore(
+        &mut self,
+        snapshot: &Snapshot<S, P::Mode, P::State, P::Inputs>,
+    ) -> Result<(), IntegrationError> {
+        self.start = snapshot.start;
+        self.state = snapshot.state;
+        self.mode = snapshot.mode;
+        self.inputs = snapshot.inputs.clone();
+        self.departing = snapshot.departing;
+        self.instant = snapshot.start.value();
+        self.simultaneous = 0;
+        self.expand()?;
+        self.statistics = snapshot.statistics;
+        Ok(())
+    }
+
+    /// Computes the segment that starts at `start` and finds its end.
+    fn expand(&mut self) -> Result<(), IntegrationError> {
+        let order = self.options.order;
+        self.system.expand(
+            &self.mode,
+            self.start,
+            &self.state,
+            &self.inputs,
+            order,
+            &mut self.jet,
+        );
+        self.statistics.segments += 1;
+        let mut step = self.step_length();
+        if step.is_nan() {
+            return Err(IntegrationError::NotFinite {
+                time: self.start.value(),
+                mode: self.system.describe(&self.mode),
+            });
+        }
+        self.end = End::Step;
+        if let Some(tau) = self.system.fold(&self.jet) {
+            step = step.min(tau);
+            self.end = End::Fold;
+        }
+        let mut lost = None;
+        for (position, guard) in self.system.guards(&self.jet).iter().enumerate() {
+            let mut plain = [0.0; crate::series::TERMS];
+            for (p, c) in plain.iter_mut().zip(&guard.series[..=order]) {
+                *p = c.value();
+            }
+            if let Some(tau) = loss(&plain[..=order], step, self.departing) {
+                step = tau;
+                lost = Some(position);
+            }
+        }
+        let floor = 4.0 * f64::EPSILON * self.start.value().abs().max(1e-3);
+        if step < floor && lost.is_none() && self.end == End::Step {
+            return Err(IntegrationError::StepTooSmall {
+                time: self.start.value(),
+                step,
+                mode: self.system.describe(&self.mode),
+            });
+        }
+        self.length = S::constant(step);
+        if let Some(position) = lost {
+            let guard = &self.system.guards(&self.jet)[position];
+            self.end = End::Switch(guard.kind);
+            // The switch moves with whatever the guard's value depends on.
+            let tau = self.length;
+            let value = evaluate(&guard.series[..=order], tau);
+            let slope = evaluate_derivative(&guard.series[..=order], tau).value();
+            if slope.abs() > 1e-9 * guard.series[0].value().abs().max(1e-3) {
+                self.length = tau - (value - value.value()) * (1.0 / slope);
+            } else {
+                self.statistics.grazing += 1;
+            }
+        }
+        self.expanded = true;
+        Ok(())
+    }
+
+    fn step_length(&self) -> f64 {
+        let order = self.options.order;
+        let (mut last, mut before) = (0.0_f64, 0.0_f64);
+        for (index, series) in self.system.states(&self.jet).iter().enumerate() {
+            let size = if self.system.is_coordinate(index) {
+                1.0
+            } else {
+                1.0 + series[0].value().abs()
+            };
+            last = larger(last, series[order].value().abs() / size);
+            before = larger(before, series[order - 1].value().abs() / size);
+        }
+        if last.is_nan() || before.is_nan() {
+            return f64::NAN;
+        }
+        let tolerance = self.options.tolerance;
+        from_last_terms(last / tolerance, before / tolerance, order).min(self.options.longest_step)
+    }
+}
+
+/// The larger of two numbers; not a number if either is not.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.max(b)
+    }
+}
+
+/// Local time at which a guard is lost. Right behind a switch (`departing`) a guard may start at
+/// zero: leading coefficients that are only rounding are divided out.
+fn loss(series: &[f64], width: f64, departing: bool) -> Option<f64> {
+    let mut series = series;
+    if departing || series[0] == 0.0 {
+        let mut size = 0.0;
+        let mut power = 1.0;
+        for c in series {
+            size += c.abs() * power;
+            power *= width;
+        }
+        let mut power = 1.0;
+        while series.len() > 1 && series[0].abs() * power <= ROUNDING * size {
+            series = &series[1..];
+            power *= width;
+        }
+        if series.len() == 1 && series[0] == 0.0 {
+            return None;
+        }
+    }
+    first_loss_of_sign(series, width)
+}

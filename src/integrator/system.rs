@@ -1,0 +1,87 @@
+//! What the integrator asks of a hybrid system.
+
+use crate::series::{Scalar, Series};
+use std::fmt::Debug;
+
+/// A condition that holds, as a non-negative series, as long as a mode is the right one.
+#[derive(Clone, Debug)]
+pub struct Guard<S, K> {
+    /// What is watched.
+    pub kind: K,
+    /// The watched quantity; the mode ends where it becomes negative.
+    pub series: Series<S>,
+}
+
+/// A system that is analytic within each of its modes and changes mode where a guard is lost.
+///
+/// Everything is pure: modes and states are values that the integrator holds, and they change only
+/// at accepted events.
+pub trait HybridSystem<S: Scalar> {
+    /// Discrete state.
+    type Mode: Copy + Debug + Send;
+    /// What a guard watches.
+    type GuardKind: Copy + Debug + PartialEq + Send;
+    /// Continuous state.
+    type State: Copy + AsRef<[S]> + AsMut<[S]> + Debug + Send;
+    /// Inputs.
+    type Inputs: Clone + Debug + Send;
+    /// Series over one segment.
+    type Jet: Clone + Debug + Send;
+
+    /// Series to work on.
+    fn new_jet(&self) -> Self::Jet;
+
+    /// Computes the coefficients of orders 0 to `order` from `time` on.
+    fn expand(
+        &self,
+        mode: &Self::Mode,
+        time: S,
+        state: &Self::State,
+        inputs: &Self::Inputs,
+        order: usize,
+        jet: &mut Self::Jet,
+    );
+
+    /// The state's series in an expanded jet.
+    fn states<'a>(&self, jet: &'a Self::Jet) -> &'a [Series<S>];
+
+    /// The guards of an expanded jet.
+    fn guards<'a>(&self, jet: &'a Self::Jet) -> &'a [Guard<S, Self::GuardKind>];
+
+    /// Whether component `index` of the state is an angle-like coordinate whose size says nothing
+    /// about the accuracy wanted: its tolerance is absolute.
+    fn is_coordinate(&self, index: usize) -> bool;
+
+    /// The mode with its memory brought up to local time `tau` of the segment in `jet`.
+    fn carry(&self, mode: &Self::Mode, jet: &Self::Jet, tau: f64) -> Self::Mode;
+
+    /// The mode in which the system starts from `state`.
+    fn initial_mode(
+        &self,
+        time: S,
+        state: &mut Self::State,
+        inputs: &Self::Inputs,
+        jet: &mut Self::Jet,
+    ) -> Self::Mode;
+
+    /// The mode after `guard` was lost at `time`; may correct the state on the switching surface.
+    fn switch(
+        &self,
+        mode: &Self::Mode,
+        guard: Self::GuardKind,
+        time: S,
+        state: &mut Self::State,
+        inputs: &Self::Inputs,
+        jet: &mut Self::Jet,
+    ) -> Self::Mode;
+
+    /// If the motion runs into a singular point where a branch of the right-hand side ends (a fold)
+    /// within the segment just expanded, the local time of the fold.
+    fn fold(&self, jet: &Self::Jet) -> Option<f64>;
+
+    /// The mode beyond the fold that [`Self::fold`] found.
+    fn leave_fold(&self, mode: &Self::Mode) -> Self::Mode;
+
+    /// One line that names the mode, for messages.
+    fn describe(&self, mode: &Self::Mode) -> String;
+}

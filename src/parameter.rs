@@ -1,0 +1,170 @@
+//! Physical parameters: one declaration gives the struct, its names, units, ranges and access.
+
+use crate::series::Scalar;
+use std::fmt;
+use thiserror::Error;
+
+/// What a parameter's value may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    /// Above zero.
+    Positive,
+    /// Zero or above.
+    NonNegative,
+    /// Any finite number.
+    Finite,
+    /// Between two bounds, both allowed.
+    Between(f64, f64),
+}
+
+impl Range {
+    /// Whether `value` is finite and allowed.
+    pub fn contains(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Positive => value > 0.0,
+                Self::NonNegative => value >= 0.0,
+                Self::Finite => true,
+                Self::Between(low, high) => low <= value && value <= high,
+            }
+    }
+
+    /// Smallest value that may be declared as a minimum; `None` without a lower bound.
+    pub fn minimum(self) -> Option<f64> {
+        match self {
+            Self::Positive | Self::NonNegative => Some(0.0),
+            Self::Finite => None,
+            Self::Between(low, _) => Some(low),
+        }
+    }
+
+    /// Largest allowed value; `None` without an upper bound.
+    pub fn maximum(self) -> Option<f64> {
+        match self {
+            Self::Between(_, high) => Some(high),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Positive => write!(f, "a finite number above 0"),
+            Self::NonNegative => write!(f, "a finite number not below 0"),
+            Self::Finite => write!(f, "a finite number"),
+            Self::Between(low, high) => write!(f, "a number from {low} to {high}"),
+        }
+    }
+}
+
+/// What is known of a parameter before it has a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterInfo {
+    /// Key inside its section of `model.toml`.
+    pub key: &'static str,
+    /// Unit in the notation of FMI (`N.m`, `kg.m2`, `1` for none).
+    pub unit: &'static str,
+    /// Allowed values.
+    pub range: Range,
+    /// One line for people.
+    pub description: &'static str,
+}
+
+/// A value outside what its parameter allows, or a pair of values that contradict each other.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ParameterError {
+    /// No parameter has this name.
+    #[error("there is no parameter \"{name}\" in this model")]
+    Unknown {
+        /// The name asked for.
+        name: String,
+    },
+    /// The value is outside the parameter's range.
+    #[error("{name} = {value} is out of range: it must be {range}")]
+    OutOfRange {
+        /// Dotted name.
+        name: String,
+        /// The offending value.
+        value: f64,
+        /// What would be right.
+        range: Range,
+    },
+    /// Two parameters contradict each other.
+    #[error("{section}: {message}")]
+    Inconsistent {
+        /// Section of `model.toml`.
+        section: String,
+        /// What contradicts what.
+        message: String,
+    },
+}
+
+/// A group of parameters: a section of `model.toml`.
+pub trait Section<S: Scalar> {
+    /// Names, units and ranges, in the order of `get` and `set`.
+    fn infos(&self) -> &'static [ParameterInfo];
+    /// Value number `index`.
+    fn get(&self, index: usize) -> S;
+    /// Replaces value number `index`; the range is the caller's business.
+    fn set(&mut self, index: usize, value: S);
+}
+
+/// Declares a section: a struct over [`Scalar`](crate::series::Scalar) with documented fields and
+/// its [`Section`](crate::parameter::Section) implementation.
+macro_rules! section {
+    (
+        $(#[$outer:meta])*
+        pub struct $name:ident {
+            $( $(#[doc = $doc:literal])+ $field:ident : $unit:literal, $range:expr; )*
+        }
+    ) => {
+        $(#[$outer])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name<S> {
+            $( $(#[doc = $doc])+ pub $field: S, )*
+        }
+
+        impl<S: $crate::series::Scalar> $name<S> {
+            /// Names, units and ranges of the fields, in declaration order.
+            pub const INFOS: &'static [$crate::parameter::ParameterInfo] = &[
+                $( $crate::parameter::ParameterInfo {
+                    key: stringify!($field),
+                    unit: $unit,
+                    range: $range,
+                    description: concat!($($doc),+),
+                }, )*
+            ];
+
+            /// The section with the values that `value` gives for each parameter in turn.
+            pub fn from_values<E>(
+                mut value: impl FnMut(&'static $crate::parameter::ParameterInfo) -> Result<S, E>,
+            ) -> Result<Self, E> {
+                let mut infos = Self::INFOS.iter();
+                $( let $field = match infos.next() {
+                    Some(info) => value(info)?,
+                    None => unreachable!(),
+                }; )*
+                Ok(Self { $( $field, )* })
+            }
+
+            /// The same values as another kind of number, without derivatives.
+            pub fn lift<T: $crate::series::Scalar>(&self) -> $name<T> {
+                $name { $( $field: T::constant(self.$field.value()), )* }
+            }
+        }
+
+        impl<S: $crate::series::Scalar> $crate::parameter::Section<S> for $name<S> {
+            fn infos(&self) -> &'static [$crate::parameter::ParameterInfo] {
+                Self::INFOS
+            }
+            fn get(&self, index: usize) -> S {
+                [$( self.$field, )*][index]
+            }
+            fn set(&mut self, index: usize, value: S) {
+                *[$( &mut self.$field, )*][index] = value;
+            }
+        }
+    };
+}
+pub(crate) use section;

@@ -1,0 +1,267 @@
+//! Physical effects beyond the nominal rig, each a section of `model.toml`; absent means off.
+
+use crate::parameter::{ParameterInfo, Range, Section, section};
+use crate::series::Scalar;
+
+section! {
+    /// Dry friction of the disc's bearings, present without any normal force:
+    /// a torque T sign(ω2), with stiction at the same level.
+    pub struct BearingFriction {
+        /// Coulomb torque of the bearings
+        torque: "N.m", Range::NonNegative;
+    }
+}
+
+section! {
+    /// A disc that runs out of true: the pin's force is N2 (1 + a cos(θ2 − φ)) while the load cell
+    /// gives the mean.
+    pub struct NormalForceWobble {
+        /// Relative amplitude a of the normal force's variation
+        amplitude: "1", Range::Between(0.0, 1.0);
+        /// Disc angle φ at which the normal force is largest
+        phase: "rad", Range::Finite;
+    }
+}
+
+section! {
+    /// A friction surface that differs around the disc, twice per turn: friction × (1 + a cos(2 θ2 − φ)).
+    pub struct PositionFriction {
+        /// Relative amplitude a of the friction's variation
+        amplitude: "1", Range::Between(0.0, 1.0);
+        /// Phase φ of the variation
+        phase: "rad", Range::Finite;
+    }
+}
+
+section! {
+    /// A disc whose centre of mass is off the axis: torque −T cos(θ2 − φ).
+    pub struct Unbalance {
+        /// Largest gravity torque T
+        torque: "N.m", Range::NonNegative;
+        /// Disc angle φ at which it is largest against the motion
+        phase: "rad", Range::Finite;
+    }
+}
+
+section! {
+    /// Viscous drag on the disc: torque −b ω2.
+    pub struct ViscousDrag {
+        /// Drag coefficient b
+        coefficient: "N.m.s/rad", Range::Finite;
+    }
+}
+
+section! {
+    /// Aerodynamic drag on the disc: torque −q ω2 |ω2|.
+    pub struct QuadraticDrag {
+        /// Drag coefficient q
+        coefficient: "N.m.s2/rad2", Range::Finite;
+    }
+}
+
+section! {
+    /// A shaft that stiffens with its twist: extra torque k3 (θ2 − θ3)³.
+    pub struct ShaftHardening {
+        /// Cubic stiffness k3
+        cubic_stiffness: "N.m/rad3", Range::Finite;
+    }
+}
+
+section! {
+    /// Internal friction of the shaft: a spring in series with a damper beside the shaft,
+    /// dw/dt = k_h d(θ2 − θ3)/dt − w/τ (standard linear solid; Zener 1948).
+    pub struct ShaftHysteresis {
+        /// Stiffness k_h of the relaxing part
+        stiffness: "N.m/rad", Range::NonNegative;
+        /// Relaxation time τ
+        relaxation_time: "s", Range::Positive;
+    }
+}
+
+section! {
+    /// Play in the shaft's coupling: no torque within a dead band.
+    pub struct Backlash {
+        /// Full width of the dead band
+        gap: "rad", Range::NonNegative;
+    }
+}
+
+section! {
+    /// Torque ripple of the motor or the gears: extra motor torque T sin(n θm + φ).
+    pub struct GearRipple {
+        /// Amplitude T, on the motor's side
+        torque: "N.m", Range::Finite;
+        /// Cycles n per turn of the motor
+        order: "1", Range::Positive;
+        /// Phase φ
+        phase: "rad", Range::Finite;
+    }
+}
+
+section! {
+    /// Viscous friction of the motor beyond the nominal one, on the motor's side.
+    pub struct MotorViscous {
+        /// Extra viscous damping
+        coefficient: "N.m.s/rad", Range::Finite;
+    }
+}
+
+section! {
+    /// A supply that sags: the motor sees `factor` × u.
+    pub struct SupplySag {
+        /// Voltage at the motor over commanded voltage
+        factor: "1", Range::NonNegative;
+    }
+}
+
+section! {
+    /// An armature that warms up: R (1 + r t/60 s).
+    pub struct ResistanceDrift {
+        /// Relative change r of the resistance per minute
+        rate_per_minute: "1", Range::Finite;
+    }
+}
+
+section! {
+    /// A load cell with an offset: reading = true N2 + bias.
+    pub struct LoadCellBias {
+        /// Reading minus true normal force
+        bias: "N", Range::Finite;
+    }
+}
+
+section! {
+    /// A contact that wears: friction × (1 + w t/60 s).
+    pub struct FrictionWear {
+        /// Relative change w of the friction per minute
+        rate_per_minute: "1", Range::Finite;
+    }
+}
+
+section! {
+    /// Friction that is not proportional to the normal force: ∝ 50 N (N2/50 N)^p.
+    pub struct LoadExponent {
+        /// Exponent p
+        exponent: "1", Range::Positive;
+    }
+}
+
+section! {
+    /// Friction that fluctuates at random in time: friction × (1 + s ξ(t)), ξ a seeded random
+    /// function of zero mean and unit variance.
+    pub struct StochasticFriction {
+        /// Relative standard deviation s
+        standard_deviation: "1", Range::Between(0.0, 0.5);
+        /// Time over which the fluctuation stays correlated
+        correlation_time: "s", Range::Positive;
+        /// Number of the random function: the same seed gives the same fluctuation
+        seed: "1", Range::NonNegative;
+    }
+}
+
+section! {
+    /// Disc sensors that lag: what is read is the angle and velocity `delay` earlier.
+    pub struct SensorDelay {
+        /// Lag of the disc's channels
+        delay: "s", Range::Between(0.0, 1.0);
+    }
+}
+
+macro_rules! effects {
+    ($( $field:ident : $kind:ident, )*) => {
+        /// The effects that are switched on.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Effects<S> {
+            $(
+                #[doc = concat!("Section `[", stringify!($field), "]`.")]
+                pub $field: Option<$kind<S>>,
+            )*
+        }
+
+        /// Names of all effects, as `model.toml` spells their sections.
+        pub const EFFECT_NAMES: &[&str] = &[$( stringify!($field), )*];
+
+        impl<S> Default for Effects<S> {
+            fn default() -> Self {
+                Self { $( $field: None, )* }
+            }
+        }
+
+        impl<S: Scalar> Effects<S> {
+            /// Switches the effect `name` on with the values that `value` gives; `None` if there is
+            /// no such effect.
+            pub fn insert<E>(
+                &mut self,
+                name: &str,
+                value: impl FnMut(&'static ParameterInfo) -> Result<S, E>,
+            ) -> Option<Result<(), E>> {
+                match name {
+                    $( stringify!($field) => Some($kind::from_values(value).map(|effect| {
+                        self.$field = Some(effect);
+                    })), )*
+                    _ => None,
+                }
+            }
+
+            /// Parameters of the effect `name`, on or off; `None` if there is no such effect.
+            pub fn infos(name: &str) -> Option<&'static [ParameterInfo]> {
+                match name {
+                    $( stringify!($field) => Some($kind::<S>::INFOS), )*
+                    _ => None,
+                }
+            }
+
+            /// Switches the effect `name` off; whether it was on.
+            pub fn remove(&mut self, name: &str) -> bool {
+                match name {
+                    $( stringify!($field) => self.$field.take().is_some(), )*
+                    _ => false,
+                }
+            }
+
+            /// The effects that are on, by name, in a fixed order.
+            pub fn active(&self) -> Vec<(&'static str, &dyn Section<S>)> {
+                let mut sections: Vec<(&'static str, &dyn Section<S>)> = Vec::new();
+                $( if let Some(effect) = &self.$field {
+                    sections.push((stringify!($field), effect));
+                } )*
+                sections
+            }
+
+            /// The effects that are on, by name, to be changed.
+            pub fn active_mut(&mut self) -> Vec<(&'static str, &mut dyn Section<S>)> {
+                let mut sections: Vec<(&'static str, &mut dyn Section<S>)> = Vec::new();
+                $( if let Some(effect) = &mut self.$field {
+                    sections.push((stringify!($field), effect));
+                } )*
+                sections
+            }
+
+            /// The same effects over another kind of number.
+            pub fn lift<T: Scalar>(&self) -> Effects<T> {
+                Effects { $( $field: self.$field.map(|effect| effect.lift()), )* }
+            }
+        }
+    };
+}
+
+effects! {
+    bearing_friction: BearingFriction,
+    normal_force_wobble: NormalForceWobble,
+    position_friction: PositionFriction,
+    unbalance: Unbalance,
+    viscous_drag: ViscousDrag,
+    quadratic_drag: QuadraticDrag,
+    shaft_hardening: ShaftHardening,
+    shaft_hysteresis: ShaftHysteresis,
+    backlash: Backlash,
+    gear_ripple: GearRipple,
+    motor_viscous: MotorViscous,
+    supply_sag: SupplySag,
+    resistance_drift: ResistanceDrift,
+    load_cell_bias: LoadCellBias,
+    friction_wear: FrictionWear,
+    load_exponent: LoadExponent,
+    stochastic_friction: StochasticFriction,
+    sensor_delay: SensorDelay,
+}

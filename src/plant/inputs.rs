@@ -1,0 +1,53 @@
+//! The rig's inputs as polynomials in time.
+
+use crate::series::{Scalar, Series, TERMS};
+
+/// Number of coefficients of an input polynomial: value and three derivatives.
+pub const INPUT_TERMS: usize = 4;
+
+/// Inputs from `time` on: each is Σ c\[j\] (t − `time`)^j.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigInputs<S> {
+    /// Time [s] at which the polynomials are centred.
+    pub time: f64,
+    /// Motor voltage u [V].
+    pub voltage: [S; INPUT_TERMS],
+    /// Normal force N2 on disc D2 as the load cell gives it [N]; a pin cannot pull, so that
+    /// negative values act as zero.
+    pub normal_force: [S; INPUT_TERMS],
+    /// Normal force N1 on disc D1 [N]; only the full rig has it.
+    pub normal_force_1: [S; INPUT_TERMS],
+}
+
+impl<S: Scalar> RigInputs<S> {
+    /// Inputs that are held: voltage [V], normal forces N2 and N1 [N].
+    pub fn held(voltage: S, normal_force: S, normal_force_1: S) -> Self {
+        let hold = |value| [value, S::ZERO, S::ZERO, S::ZERO];
+        Self {
+            time: 0.0,
+            voltage: hold(voltage),
+            normal_force: hold(normal_force),
+            normal_force_1: hold(normal_force_1),
+        }
+    }
+}
+
+/// Coefficients of an input about `offset` after its own centre, and whether it is constant.
+pub(super) fn recentre<S: Scalar>(
+    input: &[S; INPUT_TERMS],
+    offset: S,
+    series: &mut Series<S>,
+) -> bool {
+    let mut c = *input;
+    let constant = c[1..].iter().all(|x| x.value() == 0.0);
+    if !constant {
+        for first in 0..INPUT_TERMS {
+            for k in (first..INPUT_TERMS - 1).rev() {
+                c[k] = c[k] + offset * c[k + 1];
+            }
+        }
+    }
+    series[..INPUT_TERMS].copy_from_slice(&c);
+    series[INPUT_TERMS..TERMS].fill(S::ZERO);
+    constant
+}

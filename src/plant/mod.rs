@@ -1,0 +1,22 @@
+//! The rigs: a DC motor, a gearbox, flexible shafts and one or two discs under dry friction.
+//!
+//! Signs: positive torques turn the discs forward; a friction torque is positive when it opposes a
+//! positive slip velocity and acts on its disc as −T. All quantities are on the shaft side of the
+//! gearbox unless their name says motor.
+
+mod effects;
+mod expansion;
+mod inputs;
+mod mode;
+mod model_file;
+mod rig;
+mod sections;
+mod switching;
+
+pub use effects::*;
+pub use expansion::RigJet;
+pub use inputs::{INPUT_TERMS, RigInputs};
+pub use mode::{Contact, Coupling, RigGuard, RigMode};
+pub use model_file::{ModelFile, ModelFileError, Provenance};
+pub use rig::{Outer, Parameter, Rig, RigKind, RigState, STATES, index};
+pub use sections::{ContactRadius, Disc, Gearbox, Motor, Shaft};

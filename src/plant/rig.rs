@@ -1,0 +1,267 @@
+//! The rig as data: parts, friction law, effects, and its flat list of parameters.
+
+use super::{ContactRadius, Disc, Effects, Gearbox, Motor, Shaft};
+use crate::friction::Law;
+use crate::parameter::{ParameterError, ParameterInfo, Section};
+use crate::series::Scalar;
+
+/// Number of state variables of the largest rig.
+pub const STATES: usize = 8;
+
+/// Position of each state variable.
+pub mod index {
+    /// θ2, disc D2 [rad].
+    pub const THETA: usize = 0;
+    /// ω2 [rad/s].
+    pub const OMEGA: usize = 1;
+    /// θ3, gearbox output [rad].
+    pub const THETA3: usize = 2;
+    /// ω3 [rad/s].
+    pub const OMEGA3: usize = 3;
+    /// Armature current [A].
+    pub const CURRENT: usize = 4;
+    /// θ1, disc D1 [rad]; zero in the reduced rig.
+    pub const THETA1: usize = 5;
+    /// ω1 [rad/s]; zero in the reduced rig.
+    pub const OMEGA1: usize = 6;
+    /// Torque of the shaft's relaxing part [N m]; zero without shaft hysteresis.
+    pub const RELAXING_TORQUE: usize = 7;
+}
+
+/// Continuous state of a rig, at the positions of [`index`].
+pub type RigState<S> = [S; STATES];
+
+/// Which rig.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RigKind {
+    /// Motor, gearbox, shaft and disc D2.
+    Reduced,
+    /// The same with disc D1 on a second shaft beyond D2.
+    Full,
+}
+
+/// What the full rig has beyond the reduced one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outer<S> {
+    /// Disc D1.
+    pub disc: Disc<S>,
+    /// Shaft between D2 and D1.
+    pub shaft: Shaft<S>,
+    /// Pin on D1.
+    pub contact: ContactRadius<S>,
+    /// Friction law of the pin on D1.
+    pub law: Law<S>,
+}
+
+/// A rig with all its numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rig<S> {
+    /// Disc D2.
+    pub disc: Disc<S>,
+    /// Shaft between gearbox and D2.
+    pub shaft: Shaft<S>,
+    /// Gearbox.
+    pub gearbox: Gearbox<S>,
+    /// Motor.
+    pub motor: Motor<S>,
+    /// Pin on D2.
+    pub contact: ContactRadius<S>,
+    /// Friction law of the pin on D2.
+    pub law: Law<S>,
+    /// Disc D1 and its shaft and pin, if this is the full rig.
+    pub outer: Option<Outer<S>>,
+    /// Effects beyond the nominal rig.
+    pub effects: Effects<S>,
+}
+
+/// One parameter of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Dotted name, section and key.
+    pub name: String,
+    /// Section of `model.toml`.
+    pub section: &'static str,
+    /// Key, unit, range and description.
+    pub info: ParameterInfo,
+}
+
+impl<S: Scalar> Rig<S> {
+    /// Reduced or full.
+    pub fn kind(&self) -> RigKind {
+        if self.outer.is_some() {
+            RigKind::Full
+        } else {
+            RigKind::Reduced
+        }
+    }
+
+    /// All sections with their names, in the fixed order of the parameter list.
+    pub fn sections(&self) -> Vec<(&'static str, &dyn Section<S>)> {
+        let mut sections: Vec<(&'static str, &dyn Section<S>)> = vec![
+            ("disc", &self.disc),
+            ("shaft", &self.shaft),
+            ("gearbox", &self.gearbox),
+            ("motor", &self.motor),
+            ("contact", &self.contact),
+            ("contact", self.law.section()),
+        ];
+        if let Some(outer) = &self.outer {
+            sections.push(("disc1", &outer.disc));
+            sections.push(("shaft1", &outer.shaft));
+            sections.push(("contact1", &outer.contact));
+            sections.push(("contact1", outer.law.section()));
+        }
+        sections.extend(self.effects.active());
+        sections
+    }
+
+    fn sections_mut(&mut self) -> Vec<(&'static str, &mut dyn Section<S>)> {
+        let mut sections: Vec<(&'static str, &mut dyn Section<S>)> = vec![
+            ("disc", &mut self.disc),
+            ("shaft", &mut self.shaft),
+            ("gearbox", &mut self.gearbox),
+            ("motor", &mut self.motor),
+            ("contact", &mut self.contact),
+            ("contact", self.law.section_mut()),
+        ];
+        if let Some(outer) = &mut self.outer {
+            sections.push(("disc1", &mut outer.disc));
+            sections.push(("shaft1", &mut outer.shaft));
+            sections.push(("contact1", &mut outer.contact));
+            sections.push(("contact1", outer.law.section_mut()));
+        }
+        sections.extend(self.effects.active_mut());
+        sections
+    }
+
+    /// All parameters in a fixed order.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let mut parameters = Vec::new();
+        for (section, values) in self.sections() {
+            for info in values.infos() {
+                parameters.push(Parameter {
+                    name: format!("{section}.{}", info.key),
+                    section,
+                    info: *info,
+                });
+            }
+        }
+        parameters
+    }
+
+    /// Value of the parameter at this position of [`Self::parameters`].
+    pub fn parameter_at(&self, position: usize) -> Option<S> {
+        let mut position = position;
+        for (_, values) in self.sections() {
+            if position < values.infos().len() {
+                return Some(values.get(position));
+            }
+            position -= values.infos().len();
+        }
+        None
+    }
+
+    /// Value of the parameter with this dotted name.
+    pub fn parameter(&self, name: &str) -> Option<S> {
+        self.parameter_at(self.position(name)?)
+    }
+
+    /// Position of the parameter with this dotted name in [`Self::parameters`].
+    pub fn position(&self, name: &str) -> Option<usize> {
+        let (section, key) = name.split_once('.')?;
+        let mut position = 0;
+        for (name, values) in self.sections() {
+            for info in values.infos() {
+                if name == section && info.key == key {
+                    return Some(position);
+                }
+                position += 1;
+            }
+        }
+        None
+    }
+
+    /// Replaces a parameter by position after checking its range.
+    pub fn set_parameter_at(&mut self, position: usize, value: S) -> Result<(), ParameterError> {
+        let mut left = position;
+        for (section, values) in self.sections_mut() {
+            let infos = values.infos();
+            if let Some(info) = infos.get(left) {
+                if !info.range.contains(value.value()) {
+                    return Err(ParameterError::OutOfRange {
+                        name: format!("{section}.{}", info.key),
+                        value: value.value(),
+                        range: info.range,
+                    });
+                }
+                values.set(left, value);
+                return Ok(());
+            }
+            left -= infos.len();
+        }
+        Err(ParameterError::Unknown {
+            name: format!("number {position}"),
+        })
+    }
+
+    /// Replaces a parameter by dotted name after checking its range.
+    pub fn set_parameter(&mut self, name: &str, value: S) -> Result<(), ParameterError> {
+        let position = self.position(name).ok_or_else(|| ParameterError::Unknown {
+            name: name.to_owned(),
+        })?;
+        self.set_parameter_at(position, value)
+    }
+
+    /// Checks every range and every relation between parameters.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        for (section, values) in self.sections() {
+            for (j, info) in values.infos().iter().enumerate() {
+                let value = values.get(j).value();
+                if !info.range.contains(value) {
+                    return Err(ParameterError::OutOfRange {
+                        name: format!("{section}.{}", info.key),
+                        value,
+                        range: info.range,
+                    });
+                }
+            }
+        }
+        self.law.check("contact")?;
+        match &self.outer {
+            Some(outer) => outer.law.check("contact1"),
+            None => Ok(()),
+        }
+    }
+
+    /// The same rig over another kind of number, without derivatives.
+    pub fn lift<T: Scalar>(&self) -> Rig<T> {
+        Rig {
+            disc: self.disc.lift(),
+            shaft: self.shaft.lift(),
+            gearbox: self.gearbox.lift(),
+            motor: self.motor.lift(),
+            contact: self.contact.lift(),
+            law: self.law.lift(),
+            outer: self.outer.map(|outer| Outer {
+                disc: outer.disc.lift(),
+                shaft: outer.shaft.lift(),
+                contact: outer.contact.lift(),
+                law: outer.law.lift(),
+            }),
+            effects: self.effects.lift(),
+        }
+    }
+}
+
+impl Rig<f64> {
+    /// Motor voltage [V] that turns the undisturbed rig at `speed` [rad/s] at the gearbox output:
+    /// u = R (C_m η ω + T_fm sign ω)/K_T + K_E η ω.
+    pub fn voltage_for_speed(&self, speed: f64) -> f64 {
+        let motor = &self.motor;
+        let motor_speed = self.gearbox.ratio * speed;
+        let direction = if speed == 0.0 { 0.0 } else { speed.signum() };
+        motor.resistance * (motor.viscous_damping * motor_speed + motor.coulomb_torque * direction)
+            / motor.torque_constant
+            + motor.back_emf_constant * motor_speed
+    }
+}

@@ -1,0 +1,403 @@
+//! How a rig changes its modes.
+
+use super::index::{OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
+use super::{Contact, Coupling, Rig, RigGuard, RigInputs, RigJet, RigMode, RigState};
+use crate::friction::{ContactMode, Direction, Law, Regime};
+use crate::integrator::{Guard, HybridSystem};
+use crate::series::{Scalar, Series, evaluate};
+
+/// Margin 1 + (∂T/∂a)/J below which the algebraic loop is about to fold.
+const FOLD_MARGIN: f64 = 1e-4;
+
+impl<S: Scalar> Rig<S> {
+    fn law_of(&self, contact: Contact) -> Option<&Law<S>> {
+        match contact {
+            Contact::Disc => Some(&self.law),
+            Contact::Disc1 => self.outer.as_ref().map(|outer| &outer.law),
+            Contact::Motor => None,
+        }
+    }
+
+    /// Friction torque needed to hold a contact at rest and the torque at which it breaks away.
+    fn holding_torques(
+        &self,
+        contact: Contact,
+        mode: &RigMode,
+        time: S,
+        state: &RigState<S>,
+        inputs: &RigInputs<S>,
+        jet: &mut RigJet<S>,
+    ) -> (f64, f64) {
+        let mut trial = *mode;
+        trial.set_contact(contact, ContactMode::Stuck);
+        self.expand_motion(&trial, time, state, inputs, 0, jet);
+        let pin = match contact {
+            Contact::Disc => &jet.disc,
+            Contact::Disc1 => match &jet.disc1 {
+                Some(pin) => pin,
+                None => return (0.0, 0.0),
+            },
+            Contact::Motor => {
+                let limit = self.gearbox.ratio * self.motor.coulomb_torque;
+                return (jet.motor_torque[0].value(), limit.value());
+            }
+        };
+        (pin.torque[0].value(), pin.breakaway[0].value())
+    }
+
+    /// Mode of a contact whose slip velocity is zero.
+    fn mode_at_rest(
+        &self,
+        contact: Contact,
+        mode: &mut RigMode,
+        time: S,
+        state: &RigState<S>,
+        inputs: &RigInputs<S>,
+        jet: &mut RigJet<S>,
+    ) {
+        let (torque, limit) = self.holding_torques(contact, mode, time, state, inputs, jet);
+        if torque.abs() <= limit {
+            mode.set_contact(contact, ContactMode::Stuck);
+        } else {
+            self.break_away(contact, Direction::of(torque), mode);
+        }
+    }
+
+    fn break_away(&self, contact: Contact, direction: Direction, mode: &mut RigMode) {
+        let has_band = self
+            .law_of(contact)
+            .is_some_and(|law| law.band().0.value() > 0.0);
+        mode.restart_root(contact, Regime::SpeedingUp);
+        let next = if has_band {
+            ContactMode::Breaking(direction)
+        } else {
+            ContactMode::Slipping(direction, self.first_regime(contact))
+        };
+        mode.set_contact(contact, next);
+    }
+
+    fn first_regime(&self, contact: Contact) -> Regime {
+        match self.law_of(contact) {
+            Some(Law::Wojewoda(_)) => Regime::SpeedingUp,
+            _ => Regime::Free,
+        }
+    }
+
+    /// Mode after the slip acceleration of a contact has reached zero: the branch on which the
+    /// torques can drive it on, or constant speed if neither can.
+    fn turn(
+        &self,
+        contact: Contact,
+        mode: &mut RigMode,
+        time: S,
+        state: &RigState<S>,
+        inputs: &RigInputs<S>,
+        jet: &mut RigJet<S>,
+    ) {
+        let ContactMode::Slipping(direction, regime) = mode.contact(contact) else {
+            return;
+        };
+        let omega = match contact {
+            Contact::Disc => state[OMEGA],
+            Contact::Disc1 => state[OMEGA1],
+            Contact::Motor => return,
+        };
+        let near = if contact == Contact::Disc {
+            mode.near[0]
+        } else {
+            mode.near[1]
+        };
+        let was_speeding_up = match regime {
+            Regime::SpeedingUp => true,
+            Regime::Free => !near.is_sign_negative(),
+            Regime::SlowingDown | Regime::Holding => false,
+        };
+        let law = self.law_of(contact);
+        let smooth = law
+            .and_then(Law::two_gaussian)
+            .is_some_and(|shape| !shape.jumps_at(omega.value() * direction.sign()));
+        let free = law.and_then(Law::two_gaussian).is_some();
+        let (up, down) = if free {
+            (Regime::Free, Regime::Free)
+        } else {
+            (Regime::SpeedingUp, Regime::SlowingDown)
+        };
+        let speed_up = |mode: &mut RigMode| {
+            mode.set_contact(contact, ContactMode::Slipping(direction, up));
+            mode.restart_root(contact, Regime::SpeedingUp);
+        };
+        let slow_down = |mode: &mut RigMode| {
+            mode.set_contact(contact, ContactMode::Slipping(direction, down));
+            mode.restart_root(contact, Regime::SlowingDown);
+        };
+        if smooth {
+            return if was_speeding_up {
+                slow_down(mode)
+            } else {
+                speed_up(mode)
+            };
+        }
+        let mut trial = *mode;
+        trial.set_contact(contact, ContactMode::Slipping(direction, Regime::Holding));
+        self.expand_motion(&trial, time, state, inputs, 0, jet);
+        let pin = match (contact, &jet.disc1) {
+            (Contact::Disc1, Some(pin)) => pin,
+            _ => &jet.disc,
+        };
+        let constant = pin.constant_torque.value();
+        let load = pin.load[0].value();
+        let reaction = pin.slip.torque[0].value();
+        let upper = load * pin.slip.level[0].value() + constant;
+        let lower = load * pin.slip.lower_level[0].value() + constant;
+        let can_speed_up = reaction > upper;
+        let can_slow_down = reaction < lower;
+        match (was_speeding_up, can_speed_up, can_slow_down) {
+            (true, _, true) => slow_down(mode),
+            (false, true, _) => speed_up(mode),
+            _ => mode.set_contact(contact, ContactMode::Slipping(direction, Regime::Holding)),
+        }
+    }
+}
+
+/// Evaluates only the value of a series.
+fn value_at<S: Scalar>(series: &Series<S>, order: usize, tau: f64) -> f64 {
+    evaluate(&series[..=order], S::constant(tau)).value()
+}
+
+impl<S: Scalar> HybridSystem<S> for Rig<S> {
+    type Mode = RigMode;
+    type GuardKind = RigGuard;
+    type State = RigState<S>;
+    type Inputs = RigInputs<S>;
+    type Jet = RigJet<S>;
+
+    fn new_jet(&self) -> RigJet<S> {
+        RigJet::new(self)
+    }
+
+    #[inline]
+    fn expand(
+        &self,
+        mode: &RigMode,
+        time: S,
+        state: &RigState<S>,
+        inputs: &RigInputs<S>,
+        order: usize,
+        jet: &mut RigJet<S>,
+    ) {
+        self.expand_motion(mode, time, state, inputs, order, jet);
+    }
+
+    fn states<'a>(&self, jet: &'a RigJet<S>) -> &'a [Series<S>] {
+        // The last components are zero for ever unless the rig has the parts they belong to.
+        let used = if self.effects.shaft_hysteresis.is_some() {
+            RELAXING_TORQUE + 1
+        } else if self.outer.is_some() {
+            OMEGA1 + 1
+        } else {
+            THETA1
+        };
+        &jet.states[..used]
+    }
+
+    fn guards<'a>(&self, jet: &'a RigJet<S>) -> &'a [Guard<S, RigGuard>] {
+        &jet.guards
+    }
+
+    fn is_coordinate(&self, index: usize) -> bool {
+        matches!(index, THETA | THETA3 | THETA1)
+    }
+
+    fn carry(&self, mode: &RigMode, jet: &RigJet<S>, tau: f64) -> RigMode {
+        let mut mode = *mode;
+        if self.law.has_branches() && matches!(mode.disc, ContactMode::Slipping(..)) {
+            mode.near[0] = kept_sign(
+                value_at(&jet.disc.slip.acceleration, jet.order, tau),
+                mode.near[0],
+            );
+        }
+        if let (Some(outer), Some(pin)) = (&self.outer, &jet.disc1) {
+            if outer.law.has_branches() && matches!(mode.disc1, ContactMode::Slipping(..)) {
+                mode.near[1] = kept_sign(
+                    value_at(&pin.slip.acceleration, jet.order, tau),
+                    mode.near[1],
+                );
+            }
+        }
+        mode
+    }
+
+    fn initial_mode(
+        &self,
+        time: S,
+        state: &mut RigState<S>,
+        inputs: &RigInputs<S>,
+        jet: &mut RigJet<S>,
+    ) -> RigMode {
+        let mut mode = RigMode {
+            disc: ContactMode::Stuck,
+            disc1: ContactMode::Stuck,
+            motor: ContactMode::Stuck,
+            coupling: self.initial_coupling(state),
+            near: [0.0; 2],
+        };
+        let contacts: &[(Contact, usize)] = &[
+            (Contact::Motor, OMEGA3),
+            (Contact::Disc, OMEGA),
+            (Contact::Disc1, OMEGA1),
+        ];
+        let used = if self.outer.is_some() { 3 } else { 2 };
+        for &(contact, omega) in &contacts[..used] {
+            let velocity = state[omega].value();
+            let band = self.law_of(contact).map_or(0.0, |law| law.band().0.value());
+            if velocity.abs() > band {
+                let regime = self.first_regime(contact);
+                mode.set_contact(
+                    contact,
+                    ContactMode::Slipping(Direction::of(velocity), regime),
+                );
+            }
+        }
+        for &(contact, _) in &contacts[..used] {
+            match mode.contact(contact) {
+                ContactMode::Stuck => {
+                    self.mode_at_rest(contact, &mut mode, time, state, inputs, jet);
+                }
+                ContactMode::Slipping(..)
+                    if self.law_of(contact).is_some_and(Law::has_branches) =>
+                {
+                    self.turn(contact, &mut mode, time, state, inputs, jet);
+                }
+                _ => {}
+            }
+        }
+        mode
+    }
+
+    fn switch(
+        &self,
+        mode: &RigMode,
+        guard: RigGuard,
+        time: S,
+        state: &mut RigState<S>,
+        inputs: &RigInputs<S>,
+        jet: &mut RigJet<S>,
+    ) -> RigMode {
+        let mut mode = *mode;
+        match guard {
+            RigGuard::Rest(contact) => {
+                let omega = match contact {
+                    Contact::Disc => OMEGA,
+                    Contact::Disc1 => OMEGA1,
+                    Contact::Motor => OMEGA3,
+                };
+                let band = self.law_of(contact).map_or(S::ZERO, |law| law.band().0);
+                if let ContactMode::Slipping(direction, _) = mode.contact(contact) {
+                    state[omega] = band * direction.sign();
+                }
+                self.mode_at_rest(contact, &mut mode, time, state, inputs, jet);
+            }
+            RigGuard::Breakaway(contact, direction) => {
+                self.break_away(contact, direction, &mut mode)
+            }
+            RigGuard::LeaveBand(contact, direction) => {
+                mode.set_contact(
+                    contact,
+                    ContactMode::Slipping(direction, self.first_regime(contact)),
+                );
+            }
+            RigGuard::Calm(contact) => mode.set_contact(contact, ContactMode::Stuck),
+            RigGuard::Turn(contact) | RigGuard::Release(contact, _) => {
+                if let (RigGuard::Release(_, sense), ContactMode::Slipping(direction, _)) =
+                    (guard, mode.contact(contact))
+                {
+                    let free = self.law_of(contact).and_then(Law::two_gaussian).is_some();
+                    let regime = match (free, sense) {
+                        (true, _) => Regime::Free,
+                        (false, Direction::Forward) => Regime::SpeedingUp,
+                        (false, Direction::Backward) => Regime::SlowingDown,
+                    };
+                    mode.set_contact(contact, ContactMode::Slipping(direction, regime));
+                    let side = match sense {
+                        Direction::Forward => Regime::SpeedingUp,
+                        Direction::Backward => Regime::SlowingDown,
+                    };
+                    mode.restart_root(contact, side);
+                } else {
+                    self.turn(contact, &mut mode, time, state, inputs, jet);
+                }
+            }
+            RigGuard::Play(coupling) => mode.coupling = coupling,
+            // The load's series changes its form; no mode does.
+            RigGuard::Load(_) => {}
+        }
+        mode
+    }
+
+    fn fold(&self, jet: &RigJet<S>) -> Option<f64> {
+        let pins = [Some(&jet.disc), jet.disc1.as_ref()];
+        for pin in pins.into_iter().flatten() {
+            if pin.slip.margin < FOLD_MARGIN {
+                // Near a fold a(t) = a_f + c √(t_f − t), so that t_f − t = a'/(2 a'').
+                let (first, second) = (
+                    pin.slip.acceleration[1].value(),
+                    pin.slip.acceleration[2].value(),
+                );
+                let distance = first / (4.0 * second);
+                return Some(if distance > 0.0 { distance } else { 0.0 });
+            }
+        }
+        None
+    }
+
+    fn leave_fold(&self, mode: &RigMode) -> RigMode {
+        // The root of the loop is searched afresh; the old branch no longer exists.
+        *mode
+    }
+
+    fn describe(&self, mode: &RigMode) -> String {
+        let word = |mode: ContactMode| match mode {
+            ContactMode::Stuck => "stuck",
+            ContactMode::Breaking(_) => "breaking away",
+            ContactMode::Slipping(Direction::Forward, _) => "slipping forward",
+            ContactMode::Slipping(Direction::Backward, _) => "slipping backward",
+        };
+        let mut text = format!("disc D2 {}, motor {}", word(mode.disc), word(mode.motor));
+        if self.outer.is_some() {
+            text.push_str(&format!(", disc D1 {}", word(mode.disc1)));
+        }
+        if self.effects.backlash.is_some() {
+            text.push_str(match mode.coupling {
+                Coupling::Free => ", coupling free",
+                Coupling::Ahead | Coupling::Behind => ", coupling engaged",
+            });
+        }
+        text
+    }
+}
+
+impl<S: Scalar> Rig<S> {
+    fn initial_coupling(&self, state: &RigState<S>) -> Coupling {
+        let Some(backlash) = &self.effects.backlash else {
+            return Coupling::Ahead;
+        };
+        let twist = (state[THETA] - state[THETA3]).value();
+        let half = 0.5 * backlash.gap.value();
+        if twist > half {
+            Coupling::Ahead
+        } else if twist < -half {
+            Coupling::Behind
+        } else {
+            Coupling::Free
+        }
+    }
+}
+
+/// `value`, or a zero with the sign of `earlier` where rounding took the sign away.
+fn kept_sign(value: f64, earlier: f64) -> f64 {
+    if value == 0.0 {
+        libm::copysign(0.0, earlier)
+    } else {
+        value
+    }
+}

@@ -1,0 +1,122 @@
+//! The first instant at which a polynomial loses its sign.
+
+use super::TERMS;
+use super::power_series::{evaluate, evaluate_derivative};
+
+/// Bisections after which an interval counts as a point.
+const DEPTH: u32 = 48;
+
+/// The smallest τ in \[0, `width`\] at which a polynomial that starts positive becomes negative,
+/// or `None` if it provably stays positive.
+///
+/// Intervals are discarded by a rigorous lower bound and halved otherwise, so that two roots close
+/// to each other are never missed. A polynomial that starts at or below zero loses its sign at 0.
+pub fn first_loss_of_sign(coefficients: &[f64], width: f64) -> Option<f64> {
+    let start = coefficients.first().copied().unwrap_or(0.0);
+    if start <= 0.0 {
+        return Some(0.0);
+    }
+    search(coefficients, width, DEPTH)
+}
+
+fn search(p: &[f64], width: f64, depth: u32) -> Option<f64> {
+    let (mut lower, mut steepest, mut power) = (p[0], p.get(1).copied().unwrap_or(0.0), width);
+    for (k, &c) in p.iter().enumerate().skip(1) {
+        lower += (c * power).min(0.0);
+        if k >= 2 {
+            steepest += (k as f64 * c * power / width).max(0.0);
+        }
+        power *= width;
+    }
+    if lower > 0.0 {
+        return None;
+    }
+    if steepest < 0.0 {
+        return if evaluate(p, width) > 0.0 {
+            None
+        } else {
+            Some(bracketed_root(p, width))
+        };
+    }
+    if depth == 0 {
+        return (evaluate(p, width) <= 0.0).then_some(width);
+    }
+    let half = 0.5 * width;
+    if let Some(root) = search(p, half, depth - 1) {
+        return Some(root);
+    }
+    let mut shifted = [0.0; TERMS];
+    let shifted = &mut shifted[..p.len()];
+    shifted.copy_from_slice(p);
+    for first in 0..p.len() {
+        for k in (first..p.len() - 1).rev() {
+            shifted[k] += half * shifted[k + 1];
+        }
+    }
+    if shifted[0] <= 0.0 {
+        return Some(half);
+    }
+    search(shifted, half, depth - 1).map(|root| half + root)
+}
+
+/// Newton's method kept inside a bracket on which the polynomial decreases through zero.
+fn bracketed_root(p: &[f64], width: f64) -> f64 {
+    let (mut low, mut high) = (0.0, width);
+    let mut tau = width * p[0] / (p[0] - evaluate(p, width));
+    for _ in 0..60 {
+        let value = evaluate(p, tau);
+        if value > 0.0 {
+            low = tau
+        } else {
+            high = tau
+        }
+        let newton = tau - value / evaluate_derivative(p, tau);
+        let next = if newton > low && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+        if (next - tau).abs() <= 1e-16 * width {
+            return next;
+        }
+        tau = next;
+    }
+    tau
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn polynomial(roots: &[f64]) -> Vec<f64> {
+        // Π (1 − τ/r): positive at 0.
+        let mut p = vec![1.0];
+        for r in roots {
+            p.push(0.0);
+            for k in (1..p.len()).rev() {
+                p[k] -= p[k - 1] / r;
+            }
+        }
+        p
+    }
+
+    #[test]
+    fn finds_the_first_of_several_roots() {
+        let p = polynomial(&[0.3, 0.300_01, 0.9]);
+        let root = first_loss_of_sign(&p, 1.0).unwrap();
+        assert!((root - 0.3).abs() < 1e-12, "{root}");
+    }
+
+    #[test]
+    fn does_not_take_a_near_miss_for_a_root() {
+        // (1 − τ/0.5)² + 1e-9 stays positive.
+        let mut p = polynomial(&[0.5, 0.5]);
+        p[0] += 1e-9;
+        assert_eq!(first_loss_of_sign(&p, 1.0), None);
+    }
+
+    #[test]
+    fn root_outside_the_interval_is_not_reported() {
+        assert_eq!(first_loss_of_sign(&polynomial(&[1.5]), 1.0), None);
+    }
+}
