@@ -1,0 +1,162 @@
+"""What is in the FMUs: valid, complete, the same bytes every time."""
+
+import html.parser
+import pathlib
+import subprocess
+import zipfile
+
+import fmpy
+import fmpy.validation
+import pytest
+from conftest import MODELS, PROGRAMS, ROOT, VERSIONS, build
+from lxml import etree
+
+BINARIES = {"fmi2": "binaries/linux64", "fmi3": "binaries/x86_64-linux"}
+
+
+def test_validation_finds_nothing(each_fmu):
+    assert fmpy.validation.validate_fmu(str(each_fmu)) == []
+
+
+def test_info_can_be_shown(each_fmu):
+    result = subprocess.run(
+        [pathlib.Path(fmpy.sys.executable), "-m", "fmpy", "info", each_fmu],
+        capture_output=True, text=True,
+    )
+    assert result.returncode == 0, result.stderr
+    assert "Co-Simulation" in result.stdout
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("model", MODELS)
+def test_files_are_where_the_standard_wants_them(fmus, model, version):
+    with zipfile.ZipFile(fmus[model, version]) as archive:
+        names = set(archive.namelist())
+        assert archive.testzip() is None
+        resource = archive.read("resources/model.toml")
+    expected = {"modelDescription.xml", "documentation/index.html", "resources/model.toml",
+                f"{BINARIES[version]}/{model}.so"}
+    if version == "fmi2":
+        expected |= {"model.png", "licenses/license.txt"}
+    else:
+        expected |= {"terminalsAndIcons/icon.png", "terminalsAndIcons/terminalsAndIcons.xml",
+                     "documentation/licenses/license.txt"}
+    assert expected <= names
+    assert resource == MODELS[model].read_bytes()
+
+
+def test_archive_suits_every_unpacker(each_fmu):
+    with zipfile.ZipFile(each_fmu) as archive:
+        for entry in archive.infolist():
+            assert entry.extract_version <= 20, entry
+            assert entry.compress_type in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED), entry
+            assert entry.date_time == (1980, 1, 1, 0, 0, 0), entry
+            assert "\\" not in entry.orig_filename and not entry.is_dir(), entry
+            assert (entry.external_attr >> 28) in (0, 0o10), f"{entry} is not a plain file"
+
+
+def test_second_build_gives_the_same_bytes(fmus, tmp_path):
+    for model in MODELS.values():
+        assert build(model, tmp_path).returncode == 0
+    for path in fmus.values():
+        assert (tmp_path / path.name).read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("model", MODELS)
+def test_model_description_equals_the_kept_copy(fmus, model, version):
+    kept = ROOT / "modelDescription" / f"{model}.{version}.xml"
+    with zipfile.ZipFile(fmus[model, version]) as archive:
+        assert archive.read("modelDescription.xml") == kept.read_bytes(), (
+            f"regenerate with: target/release/build-fmu {MODELS[model].relative_to(ROOT)} "
+            "--write-xml modelDescription"
+        )
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_terminals_follow_the_schema_and_name_variables(fmus, model):
+    path = fmus[model, "fmi3"]
+    schema = etree.XMLSchema(
+        file=str(pathlib.Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd")
+    )
+    with zipfile.ZipFile(path) as archive:
+        document = etree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
+    schema.assertValid(document)
+    known = {variable.name for variable in fmpy.read_model_description(str(path)).modelVariables}
+    members = {member.get("variableName") for member in document.iter("TerminalMemberVariable")}
+    assert members and members <= known
+
+
+class Balance(html.parser.HTMLParser):
+    """Counts open elements and collects text and references to other files."""
+
+    VOID = {"meta", "br", "img", "link"}
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.text, self.references = [], [], []
+
+    def handle_starttag(self, tag, attributes):
+        self.references += [value for name, value in attributes if name in ("src", "href")]
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def test_documentation_is_one_complete_page(each_fmu):
+    with zipfile.ZipFile(each_fmu) as archive:
+        page = archive.read("documentation/index.html").decode()
+    parser = Balance()
+    parser.feed(page)
+    assert parser.open == [] and parser.references == []
+    text = "".join(parser.text)
+    for variable in fmpy.read_model_description(str(each_fmu)).modelVariables:
+        assert variable.name in text
+
+
+def test_units_are_si_with_display_units(each_fmu):
+    units = {unit.name: unit for unit in fmpy.read_model_description(str(each_fmu)).unitDefinitions}
+    assert units["N.m"].baseUnit.kg == 1 and units["N.m"].baseUnit.m == 2 and units["N.m"].baseUnit.s == -2
+    assert [unit.name for unit in units["rad/s"].displayUnits] == ["rpm"]
+    assert [unit.name for unit in units["rad"].displayUnits] == ["deg"]
+
+
+def test_library_is_named_when_it_is_missing(tmp_path):
+    program = tmp_path / "build-fmu"
+    program.write_bytes((PROGRAMS / "build-fmu").read_bytes())
+    program.chmod(0o755)
+    result = subprocess.run(
+        [program, MODELS["ReducedRig"], "--out", tmp_path / "out"], capture_output=True, text=True
+    )
+    assert result.returncode == 2
+    assert str(tmp_path / "libstickslip.so") in result.stderr and "--library" in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_library_beside_the_program_is_enough(tmp_path):
+    for name in ("build-fmu", "libstickslip.so"):
+        (tmp_path / name).write_bytes((PROGRAMS / name).read_bytes())
+    (tmp_path / "build-fmu").chmod(0o755)
+    result = subprocess.run(
+        [tmp_path / "build-fmu", MODELS["ReducedRig"], "--out", "out"],
+        capture_output=True, text=True, cwd=tmp_path, env={"PATH": ""},
+    )
+    assert result.returncode == 0, result.stderr
+    assert (tmp_path / "out" / "ReducedRig.fmi2.fmu").is_file()
+
+
+def test_foreign_library_is_refused(tmp_path):
+    import _ctypes
+
+    result = subprocess.run(
+        [PROGRAMS / "build-fmu", MODELS["ReducedRig"], "--out", tmp_path, "--library", _ctypes.__file__],
+        capture_output=True, text=True,
+    )
+    assert result.returncode == 2
+    assert "fmi2Instantiate" in result.stderr and "lacks" in result.stderr
+    assert list(tmp_path.iterdir()) == []
