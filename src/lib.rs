@@ -4,6 +4,7 @@
 //! Dependencies run one way: friction ← plant ← cosim ← ffi; the integrator knows no plant.
 
 pub mod cosim;
+pub mod ffi;
 pub mod friction;
 pub mod integrator;
 pub mod parameter;

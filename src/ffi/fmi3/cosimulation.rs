@@ -1,0 +1,57 @@
+//! Functions of FMI 3 for co-simulation, event mode included.
+#![allow(non_snake_case, reason = "the standard names its functions so")]
+
+use super::types::{Boolean, Float64, ValueReference};
+use crate::ffi::guard::exports;
+use crate::ffi::pointers::{input, output, place, same_length};
+use crate::ffi::status::{Interface, Phase, Phases, Refusal};
+
+const STEP: Phases = Phases::of(&[Phase::Step]);
+const EVENT: Phases = Phases::of(&[Phase::Event]);
+const STEPPED: Phases = Phases::of(&[Phase::Step, Phase::Terminated]);
+
+exports! { Interface::Fmi3;
+    fn fmi3DoStep(|instance| point: Float64, size: Float64, _no_set_state_before_point: Boolean, event_handling_needed: *mut Boolean, terminate_simulation: *mut Boolean, early_return: *mut Boolean, last_successful_time: *mut Float64) in STEP => {
+        let mut event_handling_needed = place(event_handling_needed, "eventHandlingNeeded")?;
+        let mut terminate_simulation = place(terminate_simulation, "terminateSimulation")?;
+        let mut early_return = place(early_return, "earlyReturn")?;
+        let mut last_successful_time = place(last_successful_time, "lastSuccessfulTime")?;
+        let end = instance.do_step(point, size);
+        let event = end.as_ref().is_ok_and(|end| end.switched && instance.event_mode_used);
+        let early = end.as_ref().is_ok_and(|end| end.time < point + size);
+        event_handling_needed.write(0, event.into());
+        terminate_simulation.write(0, 0);
+        early_return.write(0, early.into());
+        last_successful_time.write(0, instance.time);
+        end.map(|_| ())
+    };
+
+    fn fmi3EnterEventMode(|instance|) in STEP => {
+        if !instance.event_mode_used {
+            return Err(Refusal::error("event mode was not asked for: eventModeUsed was false at instantiation"));
+        }
+        instance.enter(Phase::Event)
+    };
+    fn fmi3EvaluateDiscreteStates(|_instance|) in EVENT => Ok(());
+    fn fmi3UpdateDiscreteStates(|_instance| need_update: *mut Boolean, terminate: *mut Boolean, nominals_changed: *mut Boolean, values_changed: *mut Boolean, next_event_time_defined: *mut Boolean, next_event_time: *mut Float64) in EVENT => {
+        // The switch itself happened inside the step: nothing is left to iterate.
+        let mut next_event_time = place(next_event_time, "nextEventTime")?;
+        for (flag, argument) in [
+            (need_update, "discreteStatesNeedUpdate"),
+            (terminate, "terminateSimulation"),
+            (nominals_changed, "nominalsOfContinuousStatesChanged"),
+            (values_changed, "valuesOfContinuousStatesChanged"),
+            (next_event_time_defined, "nextEventTimeDefined"),
+        ] {
+            place(flag, argument)?.write(0, 0);
+        }
+        next_event_time.write(0, 0.0);
+        Ok(())
+    };
+    fn fmi3EnterStepMode(|instance|) in EVENT => instance.enter(Phase::Step);
+
+    fn fmi3GetOutputDerivatives(|instance| references: *const ValueReference, count: usize, orders: *const i32, values: *mut Float64, value_count: usize) in STEPPED => {
+        same_length(("nValues", value_count), ("nValueReferences", count))?;
+        instance.output_derivatives(input(references, count, "valueReferences")?, input(orders, count, "orders")?, &mut output(values, count, "values")?)
+    };
+}

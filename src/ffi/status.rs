@@ -1,0 +1,145 @@
+//! Statuses and phases, shared by both standards, and refusals.
+
+use std::fmt;
+
+/// What both standards return from a call; the numbers agree.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Done.
+    Ok = 0,
+    /// Done, with a reservation that is in the log.
+    Warning = 1,
+    /// Not done; the instance is as it was before the call.
+    Discard = 2,
+    /// Not done; the instance needs a reset or a saved state.
+    Error = 3,
+}
+
+/// Which of the two C interfaces an instance was made through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Interface {
+    Fmi2,
+    Fmi3,
+}
+
+/// Where in its life an instance is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum Phase {
+    Instantiated = 1 << 0,
+    Configuration = 1 << 1,
+    Initialization = 1 << 2,
+    /// FMI 2: step complete. FMI 3: step mode.
+    Step = 1 << 3,
+    Event = 1 << 4,
+    Terminated = 1 << 5,
+    /// FMI 2 only: a call returned an error. FMI 3 calls this terminated.
+    Failed = 1 << 6,
+}
+
+const ALL_PHASES: [Phase; 7] = [
+    Phase::Instantiated,
+    Phase::Configuration,
+    Phase::Initialization,
+    Phase::Step,
+    Phase::Event,
+    Phase::Terminated,
+    Phase::Failed,
+];
+
+impl Phase {
+    /// The standard's name of the phase.
+    pub(super) fn name(self, interface: Interface) -> &'static str {
+        match (self, interface) {
+            (Self::Instantiated, Interface::Fmi2) => "instantiated",
+            (Self::Instantiated, Interface::Fmi3) => "Instantiated",
+            (Self::Configuration, _) => "Configuration Mode",
+            (Self::Initialization, _) => "Initialization Mode",
+            (Self::Step, Interface::Fmi2) => "stepComplete",
+            (Self::Step, Interface::Fmi3) => "Step Mode",
+            (Self::Event, _) => "Event Mode",
+            (Self::Terminated, Interface::Fmi2) => "terminated",
+            (Self::Terminated, Interface::Fmi3) => "Terminated",
+            (Self::Failed, _) => "error",
+        }
+    }
+
+    /// The phase that a saved state calls by this number.
+    pub(super) fn from_number(number: u64) -> Option<Self> {
+        ALL_PHASES.into_iter().find(|phase| *phase as u64 == number)
+    }
+}
+
+/// A set of phases: those in which a function may be called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Phases(u8);
+
+impl Phases {
+    /// The set of these phases.
+    pub(super) const fn of(phases: &[Phase]) -> Self {
+        let mut set = 0;
+        let mut place = 0;
+        while place < phases.len() {
+            set |= phases[place] as u8;
+            place += 1;
+        }
+        Self(set)
+    }
+
+    /// Whether the phase belongs to the set.
+    #[inline]
+    pub(super) fn contains(self, phase: Phase) -> bool {
+        self.0 & phase as u8 != 0
+    }
+
+    /// The standard's names of the phases, for a message.
+    pub(super) fn names(self, interface: Interface) -> String {
+        let names: Vec<_> = ALL_PHASES
+            .into_iter()
+            .filter(|phase| self.contains(*phase))
+            .map(|phase| phase.name(interface))
+            .collect();
+        if names.is_empty() {
+            "no state".into()
+        } else {
+            names.join(", ")
+        }
+    }
+}
+
+/// A call that is not carried out as asked: the status that it returns and the line that it logs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Refusal {
+    pub(super) status: Status,
+    pub(super) message: String,
+}
+
+impl Refusal {
+    pub(super) fn warning(message: impl fmt::Display) -> Self {
+        Self {
+            status: Status::Warning,
+            message: message.to_string(),
+        }
+    }
+
+    pub(super) fn discard(message: impl fmt::Display) -> Self {
+        Self {
+            status: Status::Discard,
+            message: message.to_string(),
+        }
+    }
+
+    pub(super) fn error(message: impl fmt::Display) -> Self {
+        Self {
+            status: Status::Error,
+            message: message.to_string(),
+        }
+    }
+}
+
+/// Outcome of the body of an exported function.
+pub(super) type Outcome = Result<(), Refusal>;
+
+/// Every phase.
+pub(super) const ANY: Phases = Phases::of(&ALL_PHASES);
