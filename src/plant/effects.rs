@@ -123,7 +123,8 @@ section! {
 }
 
 section! {
-    /// A load cell with an offset: reading = true N2 + bias.
+    /// A load cell with an offset: reading = true N2 + bias while the pin touches; a lifted pin reads
+    /// zero.
     pub struct LoadCellBias {
         /// Reading minus true normal force
         bias: "N", Range::Finite;

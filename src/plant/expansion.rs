@@ -185,7 +185,7 @@ impl<S: Scalar> Rig<S> {
                 pin.load[0] = S::constant(1.0);
             }
         }
-        let bodies = Bodies::new(self, mode);
+        let bodies = Bodies::new(self, mode, inputs);
         jet.disc.constant_torque = bodies.disc_slip.constant_torque;
         for k in 0..=order {
             bodies.expand_order(k, mode, time, varying, jet);
@@ -199,7 +199,10 @@ impl<S: Scalar> Rig<S> {
         let pin = &mut jet.disc;
         let constant = recentre(&inputs.normal_force, offset, &mut pin.load);
         if let Some(bias) = &self.effects.load_cell_bias {
-            pin.load[0] -= bias.bias;
+            // A lifted pin reads zero whatever the offset is.
+            if pin.load[0].value() != 0.0 {
+                pin.load[0] -= bias.bias;
+            }
         }
         pin.moving_force = (!constant).then_some(pin.load);
         if let (Some(exponent), Some(work)) = (&self.effects.load_exponent, &mut jet.effects) {
@@ -266,6 +269,7 @@ struct Bodies<'a, S> {
     decay: [S; 2],
     disc_slip: SlipTemplate<'a, S>,
     disc1_slip: Option<SlipTemplate<'a, S>>,
+    disturbances: [S; 2],
 }
 
 struct SlipTemplate<'a, S> {
@@ -277,7 +281,7 @@ struct SlipTemplate<'a, S> {
 }
 
 impl<'a, S: Scalar> Bodies<'a, S> {
-    fn new(rig: &'a Rig<S>, mode: &RigMode) -> Self {
+    fn new(rig: &'a Rig<S>, mode: &RigMode, inputs: &RigInputs<S>) -> Self {
         let one = S::constant(1.0);
         let ratio = rig.gearbox.ratio;
         let motor_inertia = ratio * ratio * rig.motor.inertia;
@@ -316,6 +320,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                     .as_ref()
                     .map_or(S::ZERO, |outer| outer.law.band().1),
             ],
+            disturbances: [inputs.disc_torque, inputs.motor_torque],
             disc_slip: SlipTemplate {
                 law: &rig.law,
                 inertia: rig.disc.inertia,
@@ -382,6 +387,10 @@ impl<'a, S: Scalar> Bodies<'a, S> {
             }
         }
 
+        if k == 0 {
+            on_disc += self.disturbances[0];
+            on_motor += self.disturbances[1];
+        }
         let mut resisting = shaft_torque - on_disc;
         if let (Some(outer), Some(template), Some(pin)) =
             (&rig.outer, &self.disc1_slip, &mut jet.disc1)

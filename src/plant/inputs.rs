@@ -17,6 +17,11 @@ pub struct RigInputs<S> {
     pub normal_force: [S; INPUT_TERMS],
     /// Normal force N1 on disc D1 [N]; only the full rig has it.
     pub normal_force_1: [S; INPUT_TERMS],
+    /// Torque from outside on disc D2 [N m], held; zero unless a disturbance is being estimated.
+    pub disc_torque: S,
+    /// Torque from outside on the gearbox output [N m], held; zero unless a disturbance is being
+    /// estimated.
+    pub motor_torque: S,
 }
 
 impl<S: Scalar> RigInputs<S> {
@@ -28,6 +33,8 @@ impl<S: Scalar> RigInputs<S> {
             voltage: hold(voltage),
             normal_force: hold(normal_force),
             normal_force_1: hold(normal_force_1),
+            disc_torque: S::ZERO,
+            motor_torque: S::ZERO,
         }
     }
 }
