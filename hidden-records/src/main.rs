@@ -1,2 +1,16 @@
-//! hidden-records
-fn main() {}
+//! `hidden-records`: makes sealed cases and checks itself against the practice records.
+
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match cli::run() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("hidden-records: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! The command line.
+
+use anyhow::{Context, ensure};
+use clap::{Parser, Subcommand, ValueEnum};
+use hidden_records::case_files::make_cases;
+use hidden_records::excitation::Brake;
+use hidden_records::plan::{FULL_SIZE, Group, PlannedCase, SMALL_SIZE, Suite, Wish};
+use hidden_records::practice::{read_answers, read_record, replay, true_rig};
+use hidden_records::recipe::Kind;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::{Path, PathBuf};
+
+/// Samples over which `verify` takes its differences (10 s).
+const VERIFIED_STRETCH: usize = 1000;
+
+#[derive(Parser)]
+#[command(version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Make cases with a hidden effect and their sealed ANSWERS.json.
+    Make(MakeArguments),
+    /// Replay practice cases with their true parameters and print how far the records are away.
+    Verify {
+        /// Directory of cases with an ANSWERS.json.
+        #[arg(long)]
+        practice: PathBuf,
+        /// Only these cases.
+        #[arg(long)]
+        case: Vec<String>,
+    },
+}
+
+#[derive(clap::Args)]
+struct MakeArguments {
+    /// New directory for the cases.
+    #[arg(long)]
+    out: PathBuf,
+    /// A whole suite with its own seeds.
+    #[arg(long, value_enum, conflicts_with = "seed")]
+    suite: Option<SuiteName>,
+    /// Only these groups of the suite (repeatable): full, rough, small, clean, pairs, outside,
+    /// sizes, noise.
+    #[arg(long, requires = "suite", value_parser = parse_group)]
+    group: Vec<Group>,
+    /// First seed, one per case (not 10000 to 29999).
+    #[arg(long, required_unless_present = "suite")]
+    seed: Option<u64>,
+    /// Number of cases; with a suite, per group.
+    #[arg(long, required_unless_present = "suite")]
+    cases: Option<usize>,
+    /// Size over practice size: full (0.6 to 1.4), small (0.05 to 0.2) or a number.
+    #[arg(long, default_value = "full", value_parser = parse_size)]
+    size: (f64, f64),
+    /// Random friction of 4 %, nominal parameters 2 % off.
+    #[arg(long)]
+    rough: bool,
+    /// Two effects per case.
+    #[arg(long, conflicts_with_all = ["suite", "outside", "clean"])]
+    pairs: bool,
+    /// Effects in no catalogue.
+    #[arg(long, conflicts_with_all = ["suite", "clean"])]
+    outside: bool,
+    /// Nothing hidden.
+    #[arg(long, conflicts_with = "suite")]
+    clean: bool,
+    /// Only this kind (as in ANSWERS.json).
+    #[arg(long, conflicts_with = "suite")]
+    kind: Option<String>,
+    /// Factor on the noise of the instruments.
+    #[arg(long, default_value_t = 1.0, conflicts_with = "suite")]
+    noise: f64,
+    /// Worker threads.
+    #[arg(long, default_value_t = 2)]
+    threads: usize,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum SuiteName {
+    Calibration,
+    Final,
+}
+
+/// Runs the command; `false` when a check said no.
+pub fn run() -> anyhow::Result<bool> {
+    match Arguments::parse().command {
+        Command::Make(arguments) => make(&arguments).map(|()| true),
+        Command::Verify { practice, case } => verify(&practice, &case),
+    }
+}
+
+fn make(arguments: &MakeArguments) -> anyhow::Result<()> {
+    let cases = plan(arguments)?;
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} cases, {eta} left")
+        .context("progress bar")?;
+    let bar = ProgressBar::new(cases.len() as u64).with_style(style);
+    make_cases(&arguments.out, &cases, arguments.threads, &|| bar.inc(1))?;
+    bar.finish_and_clear();
+    println!("{} cases in {}", cases.len(), arguments.out.display());
+    Ok(())
+}
+
+fn plan(arguments: &MakeArguments) -> anyhow::Result<Vec<PlannedCase>> {
+    if let Some(suite) = arguments.suite {
+        let suite = match suite {
+            SuiteName::Calibration => Suite::Calibration,
+            SuiteName::Final => Suite::Final,
+        };
+        let groups = match arguments.group.as_slice() {
+            [] => Group::ALL.as_slice(),
+            chosen => chosen,
+        };
+        return Ok(suite.plan(groups, arguments.cases));
+    }
+    let kinds = match (arguments.pairs, arguments.outside, arguments.clean) {
+        (true, _, _) => Kind::pairs(),
+        (_, true, _) => Kind::outsiders(),
+        (_, _, true) => vec![Kind::clean(Brake::On), Kind::clean(Brake::Off)],
+        _ => Kind::singles(),
+    };
+    let kinds: Vec<Kind> = kinds
+        .into_iter()
+        .filter(|kind| {
+            arguments
+                .kind
+                .as_ref()
+                .is_none_or(|name| *name == kind.name)
+        })
+        .filter(|kind| !arguments.rough || kind.brake == Brake::On)
+        .collect();
+    ensure!(
+        !kinds.is_empty(),
+        "no kind fits; names are those of `kind` in ANSWERS.json, and rough cases need the brake"
+    );
+    let wish = Wish {
+        seed: arguments.seed.context("--seed is missing")?,
+        cases: arguments.cases.context("--cases is missing")?,
+        kinds,
+        scale: arguments.size,
+        rough: arguments.rough,
+        noise: arguments.noise,
+    };
+    Ok(wish.plan()?)
+}
+
+fn verify(practice: &Path, chosen: &[String]) -> anyhow::Result<bool> {
+    println!(
+        "root mean square differences over each 10 s: disc [rad, rad/s], gearbox [rad, rad/s]"
+    );
+    let mut finite = true;
+    for (name, answer) in read_answers(practice)? {
+        // Random friction cannot be replayed.
+        if answer.rough > 0.0 || !(chosen.is_empty() || chosen.contains(&name)) {
+            continue;
+        }
+        let rig = true_rig(&answer)?;
+        for file in ["run-0.csv", "run-a.csv", "run-b.csv", "held-out.csv"] {
+            let path = practice.join(&name).join(file);
+            if !path.exists() {
+                continue;
+            }
+            print!("{name} {file}:");
+            let differences = replay(&rig, &read_record(&path)?, VERIFIED_STRETCH)?;
+            for d in &differences[..differences.len() - 1] {
+                finite &= d.disc_angle.is_finite();
+                print!(
+                    " [{:.4} {:.3} {:.5} {:.4}]",
+                    d.disc_angle, d.disc_speed, d.gearbox_angle, d.gearbox_speed
+                );
+            }
+            println!();
+        }
+    }
+    Ok(finite)
+}
+
+fn parse_group(text: &str) -> Result<Group, String> {
+    Group::ALL
+        .into_iter()
+        .find(|group| group.name() == text)
+        .ok_or_else(|| {
+            let names: Vec<_> = Group::ALL.iter().map(|group| group.name()).collect();
+            format!("expected one of {}", names.join(", "))
+        })
+}
+
+fn parse_size(text: &str) -> Result<(f64, f64), String> {
+    match text {
+        "full" => Ok(FULL_SIZE),
+        "small" => Ok(SMALL_SIZE),
+        number => number
+            .parse()
+            .map(|size: f64| (size, size))
+            .map_err(|_| "expected full, small or a number".to_owned()),
+    }
+}

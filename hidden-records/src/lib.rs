@@ -1,0 +1,20 @@
+//! Maker of sealed records with a hidden effect.
+//!
+//! The physics here is written on its own: a fixed-step leapfrog scheme at 10 µs over *bristle*
+//! (LuGre) contacts, where the product uses exact switching and Taylor series. Nothing in this
+//! crate imports the product and nothing in the product imports this crate.
+
+pub mod answers;
+pub mod bristle;
+pub mod case_files;
+pub mod effects;
+pub mod error;
+pub mod excitation;
+pub mod instruments;
+pub mod law;
+pub mod plan;
+pub mod practice;
+pub mod random;
+pub mod recipe;
+pub mod rig;
+pub mod simulator;
