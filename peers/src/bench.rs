@@ -10,7 +10,7 @@ use crate::files::write_atomically;
 use crate::measurement::Run;
 use crate::report::{Findings, Reference, csv, equal_error_tables, page, run_table};
 use crate::systems::{self, System};
-use crate::{cvode, plot};
+use crate::{cvode, diffsol_rig, plot, python};
 
 /// Name of our integrator in tables.
 const OURS: &str = "stickslip";
@@ -23,6 +23,10 @@ const REFERENCE_AGREEMENT: f64 = 1e-9;
 pub enum Solver {
     /// SUNDIALS CVODE, compiled C.
     Cvode,
+    /// The Rust crate diffsol; system (a) only.
+    Diffsol,
+    /// scipy's LSODA and Radau with functions compiled by numba.
+    Scipy,
 }
 
 /// Options of `peers bench`.
@@ -66,6 +70,16 @@ pub fn run(options: &Options) -> Result<bool> {
         for system in &systems {
             eprintln!("system {}: {}", system.key, cvode::NAME);
             runs.extend(cvode::sweep(&program, system, effort)?);
+        }
+    }
+    for system in &systems {
+        if wanted(Solver::Diffsol) && diffsol_rig::knows(system) {
+            eprintln!("system {}: {}", system.key, diffsol_rig::NAME);
+            runs.extend(diffsol_rig::sweep(system, effort)?);
+        }
+        if wanted(Solver::Scipy) {
+            eprintln!("system {}: scipy", system.key);
+            runs.extend(python::sweep(system, effort)?);
         }
     }
     let references = systems

@@ -5,10 +5,12 @@
 
 mod bench;
 mod cvode;
+mod diffsol_rig;
 mod effort;
 mod files;
 mod measurement;
 mod plot;
+mod python;
 mod report;
 mod systems;
 
