@@ -3,8 +3,14 @@
 //! Nothing here knows the C interfaces; [`crate::ffi`] stands on it.
 
 mod identity;
+mod input_signals;
 mod model;
+mod notice;
 mod open;
+mod rig;
+mod rig_identity;
+mod rig_state;
+mod rig_variables;
 pub mod state;
 #[cfg(test)]
 pub(crate) mod test_model;
@@ -18,6 +24,7 @@ pub use identity::{
 };
 pub use model::{CoSimulationModel, ModelError, StepEnd};
 pub use open::{MODEL_FILE, open};
+pub use rig::RigModel;
 pub use state::{StateError, StateReader, StateWriter};
 pub use token::Token;
 pub use variables::{

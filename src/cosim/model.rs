@@ -4,6 +4,7 @@ use super::identity::Identity;
 use super::state::{StateError, StateReader, StateWriter};
 use super::token::Token;
 use super::variables::VariableTable;
+use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -31,6 +32,9 @@ pub trait CoSimulationModel: Send {
 
     /// Hash of the table and of the resource from which the model was made.
     fn token(&self) -> Token;
+
+    /// Time that was reached [s].
+    fn time(&self) -> f64;
 
     /// Start time [s] and relative tolerance of the run to come; `None` leaves the default tolerance.
     fn set_up(&mut self, start_time: f64, tolerance: Option<f64>);
@@ -90,8 +94,8 @@ pub trait CoSimulationModel: Send {
     /// The integrator gives up; the time stays where it got to.
     fn step(&mut self, until: f64, stop_at_switch: bool) -> Result<StepEnd, ModelError>;
 
-    /// What happened since the last call that people may want to read in the log.
-    fn take_notices(&mut self) -> Vec<String>;
+    /// Hands on, and forgets, what happened that people may want to read in the log.
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn fmt::Display));
 
     /// Writes all that the future depends on, so that a restored model continues bit for bit.
     fn save(&self, state: &mut StateWriter);
@@ -110,3 +114,10 @@ pub trait CoSimulationModel: Send {
 #[derive(Debug, Error)]
 #[error("{0}")]
 pub struct ModelError(pub String);
+
+impl ModelError {
+    /// The error that an inner layer explains.
+    pub(crate) fn from_display(reason: impl fmt::Display) -> Self {
+        Self(reason.to_string())
+    }
+}

@@ -1,7 +1,8 @@
 //! From the text of `model.toml` to the model that it describes.
 
-use super::CoSimulationModel;
-use super::model::ModelError;
+use super::model::{CoSimulationModel, ModelError};
+use super::rig::RigModel;
+use crate::plant::Rig;
 
 /// Name of the resource that describes the component.
 pub const MODEL_FILE: &str = "model.toml";
@@ -15,7 +16,8 @@ pub fn open(text: &str, file_name: &str) -> Result<Box<dyn CoSimulationModel>, M
     if text == super::test_model::MODEL_TOML {
         return Ok(Box::new(super::test_model::TestModel::new()));
     }
-    Err(ModelError(format!(
-        "{file_name}: {text} is not a description of a model"
-    )))
+    let rig = Rig::from_toml(text, file_name).map_err(ModelError::from_display)?;
+    let model =
+        RigModel::new(rig, text).map_err(|error| ModelError(format!("{file_name}: {error}")))?;
+    Ok(Box::new(model))
 }

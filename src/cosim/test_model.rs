@@ -137,6 +137,9 @@ impl CoSimulationModel for TestModel {
     fn token(&self) -> Token {
         Token::new(&self.table, MODEL_TOML)
     }
+    fn time(&self) -> f64 {
+        self.time
+    }
     fn set_up(&mut self, start_time: f64, _tolerance: Option<f64>) {
         self.time = start_time;
     }
@@ -219,8 +222,8 @@ impl CoSimulationModel for TestModel {
             switched,
         })
     }
-    fn take_notices(&mut self) -> Vec<String> {
-        std::mem::take(&mut self.notices)
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn std::fmt::Display)) {
+        self.notices.drain(..).for_each(|notice| tell(&notice));
     }
     fn save(&self, state: &mut StateWriter) {
         for value in [

@@ -243,14 +243,6 @@ impl VariableTable {
             .iter()
             .filter(|v| v.causality == Causality::Output)
     }
-
-    /// The unknowns of the initialisation: outputs and locals whose first value is calculated.
-    pub fn initial_unknowns(&self) -> impl Iterator<Item = &Variable> {
-        self.variables.iter().filter(|v| {
-            matches!(v.causality, Causality::Output | Causality::Local)
-                && v.initial == Some(Initial::Calculated)
-        })
-    }
 }
 
 /// A table that contradicts itself.

@@ -368,7 +368,8 @@ impl Instance {
                 "communicationStepSize = {size} s from {point} s: the step must be finite and above 0"
             )));
         }
-        if !((point - self.time).abs() <= time_tolerance(self.time)) {
+        let distance = (point - self.time).abs();
+        if distance.is_nan() || distance > time_tolerance(self.time) {
             return Err(Refusal::discard(format_args!(
                 "currentCommunicationPoint = {point} s is not where the last step ended, {} s (within {:.1e} s)",
                 self.time,
@@ -384,16 +385,18 @@ impl Instance {
             )));
         }
         self.last_step = Status::Error;
-        let end = self
-            .model
-            .step(until, self.early_return_allowed)
-            .map_err(failure)?;
+        let end = match self.model.step(until, self.early_return_allowed) {
+            Ok(end) => end,
+            Err(error) => {
+                self.time = self.model.time();
+                return Err(failure(error));
+            }
+        };
         self.last_step = Status::Ok;
         self.time = end.time;
         if end.switched {
-            for notice in self.model.take_notices() {
-                self.log.write(Status::Ok, &notice);
-            }
+            let log = &self.log;
+            self.model.drain_notices(&mut |notice| log.inform(notice));
         }
         Ok(end)
     }

@@ -3,6 +3,7 @@
 use super::status::{Interface, Status};
 use crate::cosim::LOG_CATEGORIES;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::fmt;
 
 /// `fmi2CallbackLogger`.
 pub type Fmi2Logger =
@@ -124,6 +125,13 @@ impl Log {
     pub(super) fn write(&self, status: Status, message: &str) {
         if self.wants(Category::of(status)) {
             self.force(status, message);
+        }
+    }
+
+    /// Sends one message about an event, formatted only if it is wanted.
+    pub(super) fn inform(&self, event: &dyn fmt::Display) {
+        if self.wants(Category::Events) {
+            self.force(Status::Ok, &event.to_string());
         }
     }
 

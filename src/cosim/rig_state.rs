@@ -1,0 +1,125 @@
+//! A rig's parameters and the snapshot of its run as bytes.
+
+use super::input_signals::InputSignals;
+use super::state::{StateError, StateReader, StateWriter};
+use crate::friction::{ContactMode, Direction, Regime};
+use crate::integrator::{Snapshot, Statistics};
+use crate::plant::{Coupling, Rig, RigInputs, RigMode, RigState, STATES};
+
+type RigSnapshot = Snapshot<f64, RigMode, RigState<f64>, RigInputs<f64>>;
+
+/// All modes of a contact; a state stores the place in this list.
+const CONTACT_MODES: [ContactMode; 11] = {
+    use ContactMode::{Breaking, Slipping, Stuck};
+    use Direction::{Backward, Forward};
+    use Regime::{Free, Holding, SlowingDown, SpeedingUp};
+    [
+        Stuck,
+        Breaking(Forward),
+        Breaking(Backward),
+        Slipping(Forward, Free),
+        Slipping(Forward, SpeedingUp),
+        Slipping(Forward, SlowingDown),
+        Slipping(Forward, Holding),
+        Slipping(Backward, Free),
+        Slipping(Backward, SpeedingUp),
+        Slipping(Backward, SlowingDown),
+        Slipping(Backward, Holding),
+    ]
+};
+
+/// All modes of the coupling; a state stores the place in this list.
+const COUPLINGS: [Coupling; 3] = [Coupling::Ahead, Coupling::Free, Coupling::Behind];
+
+/// Writes the values of all parameters.
+pub(super) fn write_rig(rig: &Rig<f64>, state: &mut StateWriter) {
+    for (_, section) in rig.sections() {
+        for place in 0..section.infos().len() {
+            state.real(section.get(place));
+        }
+    }
+}
+
+/// The rig built like `original` with the values that were written.
+pub(super) fn read_rig(
+    original: &Rig<f64>,
+    state: &mut StateReader<'_>,
+) -> Result<Rig<f64>, StateError> {
+    let mut rig = *original;
+    for position in 0..original.parameters().len() {
+        rig.set_parameter_at(position, state.real()?)
+            .map_err(|error| StateError::Content(error.to_string()))?;
+    }
+    Ok(rig)
+}
+
+/// Writes the snapshot of a run.
+pub(super) fn write_snapshot(snapshot: &RigSnapshot, state: &mut StateWriter) {
+    state.real(snapshot.start);
+    snapshot.state.iter().for_each(|value| state.real(*value));
+    let mode = &snapshot.mode;
+    for contact in [mode.disc, mode.disc1, mode.motor] {
+        state.integer(place_of(&CONTACT_MODES, contact));
+    }
+    state.integer(place_of(&COUPLINGS, mode.coupling));
+    mode.near.iter().for_each(|value| state.real(*value));
+    InputSignals::of(&snapshot.inputs).save(state);
+    state.flag(snapshot.departing);
+    let statistics = &snapshot.statistics;
+    for count in [
+        statistics.segments,
+        statistics.discarded,
+        statistics.switches,
+        statistics.branch_jumps,
+        statistics.grazing,
+    ] {
+        state.integer(count);
+    }
+}
+
+/// The snapshot that was written.
+pub(super) fn read_snapshot(state: &mut StateReader<'_>) -> Result<RigSnapshot, StateError> {
+    let start = state.real()?;
+    let mut values = [0.0; STATES];
+    for value in &mut values {
+        *value = state.real()?;
+    }
+    let mut contact = || element(&CONTACT_MODES, state.integer()?, "contact mode");
+    let (disc, disc1, motor) = (contact()?, contact()?, contact()?);
+    let coupling = element(&COUPLINGS, state.integer()?, "coupling mode")?;
+    let near = [state.real()?, state.real()?];
+    let signals = InputSignals::restore(state)?;
+    Ok(Snapshot {
+        start,
+        state: values,
+        mode: RigMode {
+            disc,
+            disc1,
+            motor,
+            coupling,
+            near,
+        },
+        inputs: signals.uncentred(),
+        departing: state.flag()?,
+        statistics: Statistics {
+            segments: state.integer()?,
+            discarded: state.integer()?,
+            switches: state.integer()?,
+            branch_jumps: state.integer()?,
+            grazing: state.integer()?,
+        },
+    })
+}
+
+fn place_of<T: PartialEq>(list: &[T], element: T) -> u64 {
+    list.iter()
+        .position(|other| *other == element)
+        .map_or(u64::MAX, |place| place as u64)
+}
+
+fn element<T: Copy>(list: &[T], place: u64, what: &str) -> Result<T, StateError> {
+    usize::try_from(place)
+        .ok()
+        .and_then(|place| list.get(place).copied())
+        .ok_or_else(|| StateError::Content(format!("there is no {what} {place}")))
+}

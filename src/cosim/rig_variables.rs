@@ -1,0 +1,325 @@
+//! The variable table of a rig.
+
+use super::variables::{
+    Causality, Initial, TableError, Variability, Variable, VariableTable, VariableType,
+};
+use crate::parameter::Range;
+use crate::plant::{Parameter, Rig, RigKind, index};
+
+/// What a row of the table stands for in the rig.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Quantity {
+    /// Time.
+    Time,
+    /// Input number, in the order of [`Channel`].
+    Input(Channel),
+    /// Component of the rig's state.
+    State(usize),
+    /// Friction torque on a disc or in the motor.
+    Friction(Friction),
+    /// Whether a contact sticks.
+    Stuck(Friction),
+    /// Whether the coupling is within its dead band.
+    CouplingFree,
+    /// Parameter number, in the order of the rig's list.
+    Parameter(usize),
+}
+
+/// The rig's inputs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Channel {
+    Voltage = 0,
+    NormalForce = 1,
+    NormalForce1 = 2,
+}
+
+/// Number of [`Channel`]s.
+pub(super) const CHANNELS: usize = 3;
+
+/// Where friction acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Friction {
+    Disc,
+    Disc1,
+    Motor,
+}
+
+/// Parameters that are built into a rig: they stay as they are while it runs. The others wear, warm
+/// up, are adjusted or are calibrated while it runs, hence tunable.
+const BUILT_IN_SECTIONS: &[&str] = &["disc", "disc1", "gearbox", "backlash", "sensor_delay"];
+const BUILT_IN_KEYS: &[&str] = &["inertia", "inductance", "radius", "order", "seed"];
+
+/// The variable table of `rig`, and what each row stands for.
+///
+/// # Errors
+/// A unit of a parameter that cannot be expressed in SI base units.
+pub(super) fn rig_table(rig: &Rig<f64>) -> Result<(VariableTable, Vec<Quantity>), TableError> {
+    let full = rig.kind() == RigKind::Full;
+    let mut rows = Rows::default();
+    rows.add(
+        Quantity::Time,
+        row("time", Causality::Independent, "s", "Simulated time"),
+    );
+
+    let u = "Voltage at the motor's terminals";
+    rows.add(Quantity::Input(Channel::Voltage), input("u", "V", 5.0, u));
+    let n2 = "Normal force of the pin on disc D2, as its load cell gives it; negative acts as zero";
+    rows.add(
+        Quantity::Input(Channel::NormalForce),
+        input("N2", "N", 50.0, n2),
+    );
+    if full {
+        let n1 = "Normal force of the pin on disc D1; negative acts as zero";
+        rows.add(
+            Quantity::Input(Channel::NormalForce1),
+            input("N1", "N", 50.0, n1),
+        );
+    }
+
+    rows.state(index::THETA, "theta", "Angle of disc D2");
+    rows.state(index::OMEGA, "theta_dot", "Angular velocity of disc D2");
+    rows.friction(
+        Friction::Disc,
+        "T_f",
+        "Friction torque on disc D2, positive against forward slip",
+    );
+    rows.state(index::THETA3, "theta3", "Angle of the gearbox output");
+    rows.state(
+        index::OMEGA3,
+        "theta3_dot",
+        "Angular velocity of the gearbox output",
+    );
+    rows.state(index::CURRENT, "i", "Armature current");
+    if full {
+        rows.state(index::THETA1, "theta1", "Angle of disc D1");
+        rows.state(index::OMEGA1, "theta1_dot", "Angular velocity of disc D1");
+        let text = "Friction torque on disc D1, positive against forward slip";
+        rows.friction(Friction::Disc1, "T_f1", text);
+    }
+
+    rows.flag(
+        Quantity::Stuck(Friction::Disc),
+        "stuck",
+        "Whether disc D2 sticks to its pin",
+    );
+    if full {
+        rows.flag(
+            Quantity::Stuck(Friction::Disc1),
+            "stuck1",
+            "Whether disc D1 sticks to its pin",
+        );
+    }
+    let text = "Whether the motor's own Coulomb friction holds it";
+    rows.flag(Quantity::Stuck(Friction::Motor), "motor_stuck", text);
+    let text = "Friction torque inside the motor, on the shaft side of the gearbox";
+    let torque = Variable {
+        initial: Some(Initial::Calculated),
+        ..row("motor_friction_torque", Causality::Local, "N.m", text)
+    };
+    rows.add(Quantity::Friction(Friction::Motor), torque);
+    if rig.effects.backlash.is_some() {
+        let text = "Whether the coupling is within its play and passes no torque";
+        rows.flag(Quantity::CouplingFree, "coupling_free", text);
+    }
+    if rig.effects.shaft_hysteresis.is_some() {
+        let text = "Torque of the shaft's relaxing part";
+        let torque = Variable {
+            initial: Some(Initial::Exact),
+            start: Some(0.0),
+            ..row("shaft_hysteresis_torque", Causality::Local, "N.m", text)
+        };
+        rows.add(Quantity::State(index::RELAXING_TORQUE), torque);
+    }
+    for (position, parameter) in rig.parameters().iter().enumerate() {
+        let start = rig.parameter_at(position);
+        rows.add(
+            Quantity::Parameter(position),
+            parameter_row(parameter, start),
+        );
+    }
+    rows.finish()
+}
+
+#[derive(Default)]
+struct Rows {
+    variables: Vec<Variable>,
+    quantities: Vec<Quantity>,
+}
+
+impl Rows {
+    fn add(&mut self, quantity: Quantity, variable: Variable) {
+        self.variables.push(variable);
+        self.quantities.push(quantity);
+    }
+
+    fn state(&mut self, position: usize, name: &str, description: &str) {
+        let (unit, nominal) = match position {
+            index::CURRENT => ("A", 1.0),
+            index::OMEGA | index::OMEGA1 | index::OMEGA3 => ("rad/s", 10.0),
+            _ => ("rad", 10.0),
+        };
+        let variable = Variable {
+            initial: Some(Initial::Exact),
+            start: Some(0.0),
+            nominal: Some(nominal),
+            display_unit: (unit == "rad/s").then_some("rpm"),
+            ..row(name, Causality::Output, unit, description)
+        };
+        self.add(Quantity::State(position), variable);
+    }
+
+    fn friction(&mut self, friction: Friction, name: &str, description: &str) {
+        let variable = Variable {
+            initial: Some(Initial::Calculated),
+            ..row(name, Causality::Output, "N.m", description)
+        };
+        self.add(Quantity::Friction(friction), variable);
+    }
+
+    fn flag(&mut self, quantity: Quantity, name: &str, description: &str) {
+        let variable = Variable {
+            variable_type: VariableType::Boolean,
+            variability: Variability::Discrete,
+            initial: Some(Initial::Calculated),
+            unit: None,
+            ..row(name, Causality::Local, "1", description)
+        };
+        self.add(quantity, variable);
+    }
+
+    /// Adds the dependencies, which need the places of the rows, and makes the table.
+    fn finish(mut self) -> Result<(VariableTable, Vec<Quantity>), TableError> {
+        let place = |wanted: Quantity| {
+            self.quantities
+                .iter()
+                .position(|q| *q == wanted)
+                .map(|place| place as u32)
+        };
+        let known_at_start: Vec<u32> = (0_u32..)
+            .zip(&self.variables)
+            .filter(|(_, variable)| variable.settable_before_start())
+            .map(|(place, _)| place)
+            .collect();
+        let forces = [
+            place(Quantity::Input(Channel::NormalForce)),
+            place(Quantity::Input(Channel::NormalForce1)),
+        ];
+        for (quantity, variable) in self.quantities.iter().zip(&mut self.variables) {
+            // Everything else is a state, which no input moves at the same instant.
+            variable.dependencies = match quantity {
+                Quantity::Friction(Friction::Disc) => forces[0].into_iter().collect(),
+                Quantity::Friction(Friction::Disc1) => forces[1].into_iter().collect(),
+                _ => Vec::new(),
+            };
+            if variable.initial == Some(Initial::Calculated) {
+                variable.initial_dependencies.clone_from(&known_at_start);
+            }
+        }
+        Ok((VariableTable::new(self.variables)?, self.quantities))
+    }
+}
+
+fn row(name: &str, causality: Causality, unit: &str, description: &str) -> Variable {
+    Variable {
+        value_reference: 0,
+        name: name.into(),
+        variable_type: VariableType::Real,
+        causality,
+        variability: Variability::Continuous,
+        initial: None,
+        unit: Some(unit.into()),
+        display_unit: None,
+        start: None,
+        minimum: None,
+        above_minimum: false,
+        maximum: None,
+        nominal: None,
+        description: description.into(),
+        dependencies: Vec::new(),
+        initial_dependencies: Vec::new(),
+    }
+}
+
+fn input(name: &str, unit: &str, nominal: f64, description: &str) -> Variable {
+    Variable {
+        start: Some(0.0),
+        nominal: Some(nominal),
+        ..row(name, Causality::Input, unit, description)
+    }
+}
+
+fn parameter_row(parameter: &Parameter, start: Option<f64>) -> Variable {
+    let info = &parameter.info;
+    let built_in =
+        BUILT_IN_SECTIONS.contains(&parameter.section) || BUILT_IN_KEYS.contains(&info.key);
+    Variable {
+        variability: if built_in {
+            Variability::Fixed
+        } else {
+            Variability::Tunable
+        },
+        initial: Some(Initial::Exact),
+        display_unit: (info.unit == "rad").then_some("deg"),
+        start,
+        minimum: info.range.minimum(),
+        above_minimum: info.range == Range::Positive,
+        maximum: info.range.maximum(),
+        ..row(
+            &parameter.name,
+            Causality::Parameter,
+            info.unit,
+            info.description.trim(),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(file: &str, causality: Causality) -> Vec<String> {
+        let rig = Rig::from_toml(file, "test").unwrap();
+        let (table, _) = rig_table(&rig).unwrap();
+        let rows = table.variables().iter();
+        rows.filter(|v| v.causality == causality)
+            .map(|v| v.name.clone())
+            .collect()
+    }
+
+    const REDUCED: &str = include_str!("../../modelDescription/reduced-rig.toml");
+    const FULL: &str = include_str!("../../modelDescription/full-rig.toml");
+
+    #[test]
+    fn outputs_come_in_the_order_that_users_were_promised() {
+        let reduced = ["theta", "theta_dot", "T_f", "theta3", "theta3_dot", "i"];
+        assert_eq!(names(REDUCED, Causality::Output), reduced);
+        let full = [&reduced[..], &["theta1", "theta1_dot", "T_f1"]].concat();
+        assert_eq!(names(FULL, Causality::Output), full);
+    }
+
+    #[test]
+    fn only_the_full_rig_takes_a_second_force() {
+        assert_eq!(names(REDUCED, Causality::Input), ["u", "N2"]);
+        assert_eq!(names(FULL, Causality::Input), ["u", "N2", "N1"]);
+    }
+
+    #[test]
+    fn every_parameter_starts_within_its_limits() {
+        for file in [REDUCED, FULL] {
+            let (table, _) = rig_table(&Rig::from_toml(file, "test").unwrap()).unwrap();
+            for variable in table.variables() {
+                if let Some(start) = variable.start {
+                    assert!(variable.allows(start), "{variable:?}");
+                }
+            }
+            assert_eq!(
+                table.find("disc.inertia").unwrap().variability,
+                Variability::Fixed
+            );
+            assert_eq!(
+                table.find("contact.mu_s").unwrap().variability,
+                Variability::Tunable
+            );
+        }
+    }
+}
