@@ -80,6 +80,7 @@ impl InputSignals {
             voltage,
             normal_force,
             normal_force_1,
+            ..RigInputs::held(0.0, 0.0, 0.0)
         }
     }
 

@@ -509,5 +509,6 @@ fn lift_inputs(inputs: &RigInputs<f64>) -> RigInputs<Dual<1>> {
         voltage: inputs.voltage.map(Dual::constant),
         normal_force: inputs.normal_force.map(Dual::constant),
         normal_force_1: inputs.normal_force_1.map(Dual::constant),
+        ..RigInputs::held(Dual::ZERO, Dual::ZERO, Dual::ZERO)
     }
 }
