@@ -2,8 +2,8 @@
 
 use super::two_gaussian::{self, TwoGaussian};
 use super::{
-    Coulomb, CoulombStiction, Karnopp, Stribeck, Switch, TwoGaussianMu, TwoGaussianTorque,
-    Wojewoda, stribeck, wojewoda,
+    Coulomb, CoulombStiction, HARMONICS, Karnopp, RandomFunction, Stribeck, Switch, TwoGaussianMu,
+    TwoGaussianTorque, Wojewoda, stribeck, wojewoda,
 };
 use crate::parameter::{ParameterError, ParameterInfo, Section};
 use crate::series::Scalar;
@@ -173,7 +173,8 @@ impl<S: Scalar> Law<S> {
         }
     }
 
-    /// Checks what single ranges cannot: breakaway must not lie below sliding.
+    /// Checks what single ranges cannot: breakaway must not lie below sliding, and friction must not
+    /// drive.
     pub fn check(&self, section: &str) -> Result<(), ParameterError> {
         let (sliding, breakaway) = match self {
             Self::CoulombStiction(law) => (law.mu_c, law.mu_s),
@@ -192,6 +193,23 @@ impl<S: Scalar> Law<S> {
                     sliding.value()
                 ),
             });
+        }
+        if let Self::Wojewoda(law) = self {
+            let largest = HARMONICS as f64 * RandomFunction::amplitude();
+            let excess = 1.0 + law.stochastic_amplitude.value() * largest;
+            let lowest = sliding.value() - (breakaway.value() - sliding.value()) * excess;
+            if lowest < 0.0 {
+                return Err(ParameterError::Inconsistent {
+                    section: section.to_owned(),
+                    message: format!(
+                        "the lower branch reaches mu_c - (mu_s - mu_c)(1 + {largest:.3} stochastic_amplitude) = {lowest}, \
+                         so that friction would drive; raise mu_c = {} or lower mu_s = {} or stochastic_amplitude = {}",
+                        sliding.value(),
+                        breakaway.value(),
+                        law.stochastic_amplitude.value()
+                    ),
+                });
+            }
         }
         Ok(())
     }

@@ -30,6 +30,8 @@ pub struct Slip<'a, S> {
     /// Slip acceleration [rad/s²] near which to look for the root of the loop; its sign tells the
     /// branch where the law jumps at zero acceleration.
     pub near: f64,
+    /// Whether the root at `near` has ended at a fold, so that the next one is wanted.
+    pub folded: bool,
 }
 
 /// Series of a sliding contact.
@@ -47,8 +49,8 @@ pub struct SlipJet<S> {
     pub lower_level: Series<S>,
     /// 1 + (∂T/∂a)/J at order 0: the root is stable while this is positive.
     pub margin: f64,
-    /// Whether the loop's root jumped to another branch to find this one.
-    pub jumped: bool,
+    /// Whether the loop has no root because zero acceleration lies between its two branches.
+    pub between: bool,
     work: Vec<Series<S>>,
 }
 
@@ -63,7 +65,7 @@ impl<S: Scalar> SlipJet<S> {
             level: zero,
             lower_level: zero,
             margin: 1.0,
-            jumped: false,
+            between: false,
             work: vec![zero; law.workspace()],
         }
     }
@@ -149,8 +151,8 @@ impl<S: Scalar> Slip<'_, S> {
             return;
         }
         let acceleration_0 = if k == 0 {
-            let (root, jumped) = self.loop_root(resisting, jet.speed[0], law);
-            jet.jumped = jumped;
+            let (root, between) = self.loop_root(resisting, jet.speed[0], law);
+            jet.between = between;
             root
         } else {
             jet.acceleration[0]
@@ -177,8 +179,8 @@ impl<S: Scalar> Slip<'_, S> {
         jet.torque[k] = -(resisting + self.inertia * acceleration);
     }
 
-    /// The stable root of the loop that continues the branch of `near`, and whether none did so
-    /// that another branch had to be taken.
+    /// The stable root of the loop that continues the branch of `near`, or else the next one; and
+    /// whether there is none because zero acceleration lies between the branches.
     fn loop_root(&self, resisting: S, speed: S, law: &TwoGaussian<S>) -> (S, bool) {
         let (e, v) = (resisting.value(), speed.value());
         let plain = TwoGaussian {
@@ -195,9 +197,14 @@ impl<S: Scalar> Slip<'_, S> {
             load: self.load[0].value(),
             offset: e + self.constant_torque.value(),
         };
-        let (root, jumped) = match loop_function.follow(self.near) {
-            Some(root) => (root, false),
-            None => loop_function.search(self.near),
+        let found = if self.folded {
+            loop_function.beyond_fold(self.near)
+        } else {
+            loop_function.follow(self.near).map(Root::At)
+        };
+        let root = match found.unwrap_or_else(|| loop_function.search(self.near)) {
+            Root::At(root) => root,
+            Root::Between => return (S::constant(libm::copysign(0.0, self.near)), true),
         };
         // One Newton step in the number type of the run carries the derivatives.
         let a = S::constant(root);
@@ -205,8 +212,17 @@ impl<S: Scalar> Slip<'_, S> {
         let residual = self.inertia * a + self.load[0] * level + resisting + self.constant_torque;
         let stiffness = S::constant((self.inertia + self.load[0] * slope).value());
         let correction = residual / stiffness;
-        (a - (correction - correction.value()), jumped)
+        (a - (correction - correction.value()), false)
     }
+}
+
+/// Where the loop leads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Root {
+    /// A stable root.
+    At(f64),
+    /// None: the law's jump at zero acceleration straddles it.
+    Between,
 }
 
 /// F(a) = J a + L μ(ω, a) + E over plain numbers.
@@ -253,11 +269,9 @@ impl LoopFunction {
         None
     }
 
-    /// The stable root nearest to `near`, first on its side of the jump, else on the other; the
-    /// flag tells that the branch was left.
-    fn search(&self, near: f64) -> (f64, bool) {
+    /// The stable root nearest to `near`, first on its side of the jump, else on the other.
+    fn search(&self, near: f64) -> Root {
         let side = if near.is_sign_negative() { -1.0 } else { 1.0 };
-        let jumps = self.law.jumps_at(self.speed);
         for s in [side, -side] {
             let mut best: Option<f64> = None;
             for root in self.stable_roots(s) {
@@ -266,25 +280,66 @@ impl LoopFunction {
                 }
             }
             if let Some(root) = best {
-                return (
-                    root,
-                    jumps || s != side || (root - near).abs() > 0.5 * near.abs(),
-                );
+                return Root::At(root);
             }
         }
-        // Between the branches: zero acceleration, on the side asked for.
-        (0.0 * side, true)
+        Root::Between
+    }
+
+    /// The stable root to which the acceleration runs from a fold at `near`. Under the slightest lag
+    /// it moves against the sign of F: beyond a maximum of F upwards, beyond a minimum downwards.
+    fn beyond_fold(&self, near: f64) -> Option<Root> {
+        const CELLS: usize = 400;
+        let step = 1e-3 * self.law.acceleration_semi_axis;
+        let bend = self.value_and_slope(near + step).1 - self.value_and_slope(near - step).1;
+        let direction = if bend < 0.0 { 1.0 } else { -1.0 };
+        let reach = self.reach() + near.abs();
+        let (mut earlier, mut left_behind) = (near, false);
+        for j in 1..=CELLS {
+            let fraction = j as f64 / CELLS as f64;
+            let here = near + direction * reach * fraction * fraction;
+            let ahead = self.value_and_slope(here).0 * direction;
+            if ahead < 0.0 {
+                left_behind = true;
+            } else if left_behind {
+                let (low, high) = if direction > 0.0 {
+                    (earlier, here)
+                } else {
+                    (here, earlier)
+                };
+                return Some(self.root_between(low, high));
+            }
+            earlier = here;
+        }
+        None
+    }
+
+    /// The root between `low`, where F is negative, and `high`, where it is positive.
+    fn root_between(&self, low: f64, high: f64) -> Root {
+        if low < 0.0 && high > 0.0 && self.law.jumps_at(self.speed) {
+            return if self.value_and_slope(-0.0).0 > 0.0 {
+                Root::At(self.refine(low, -0.0))
+            } else if self.value_and_slope(0.0).0 < 0.0 {
+                Root::At(self.refine(0.0, high))
+            } else {
+                Root::Between
+            };
+        }
+        Root::At(self.refine(low, high))
+    }
+
+    /// An acceleration beyond every root.
+    fn reach(&self) -> f64 {
+        (self.load * (self.law.heights[0].abs() + self.law.heights[1].abs()) + self.offset.abs())
+            / self.inertia
+            + 1.0
     }
 
     /// Roots with rising F on one side (`side` = ±1) of zero acceleration.
     fn stable_roots(&self, side: f64) -> Vec<f64> {
         const CELLS: usize = 400;
-        let reach = (self.load * (self.law.heights[0].abs() + self.law.heights[1].abs())
-            + self.offset.abs())
-            / self.inertia
-            + 1.0;
         let scale = 0.05 * self.law.acceleration_semi_axis;
-        let top = libm::asinh(reach / scale);
+        let top = libm::asinh(self.reach() / scale);
         let node = |j: usize| {
             if j == 0 {
                 0.0 * side

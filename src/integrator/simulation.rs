@@ -228,7 +228,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
                 self.count_simultaneous()?;
             }
             End::Fold => {
-                self.mode = self.system.leave_fold(&self.mode);
+                self.mode = self.system.leave_fold(&self.mode, &self.jet);
                 self.statistics.switches += 1;
                 self.statistics.branch_jumps += 1;
                 self.count_simultaneous()?;

@@ -79,8 +79,8 @@ pub trait HybridSystem<S: Scalar> {
     /// within the segment just expanded, the local time of the fold.
     fn fold(&self, jet: &Self::Jet) -> Option<f64>;
 
-    /// The mode beyond the fold that [`Self::fold`] found.
-    fn leave_fold(&self, mode: &Self::Mode) -> Self::Mode;
+    /// The mode beyond the fold that [`Self::fold`] found in `jet`.
+    fn leave_fold(&self, mode: &Self::Mode, jet: &Self::Jet) -> Self::Mode;
 
     /// One line that names the mode, for messages.
     fn describe(&self, mode: &Self::Mode) -> String;

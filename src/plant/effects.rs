@@ -60,7 +60,8 @@ section! {
 }
 
 section! {
-    /// A shaft that stiffens with its twist: extra torque k3 (θ2 − θ3)³.
+    /// A shaft that stiffens with its twist: extra torque k3 (θ2 − θ3)³; play
+    /// in the coupling does not count as twist.
     pub struct ShaftHardening {
         /// Cubic stiffness k3
         cubic_stiffness: "N.m/rad3", Range::Finite;
@@ -149,10 +150,11 @@ section! {
 
 section! {
     /// Friction that fluctuates at random in time: friction × (1 + s ξ(t)), ξ a seeded random
-    /// function of zero mean and unit variance.
+    /// function of zero mean and unit variance that never exceeds 4.9, so that friction stays friction
+    /// up to s = 0.2.
     pub struct StochasticFriction {
         /// Relative standard deviation s
-        standard_deviation: "1", Range::Between(0.0, 0.5);
+        standard_deviation: "1", Range::Between(0.0, 0.2);
         /// Time over which the fluctuation stays correlated
         correlation_time: "s", Range::Positive;
         /// Number of the random function: the same seed gives the same fluctuation

@@ -17,6 +17,10 @@ use crate::series::{RECIPROCAL, Scalar, Series, TERMS, convolution, cosine_sine}
 const MINUTE: f64 = 60.0;
 /// Normal force [N] at which a load exponent changes nothing.
 const REFERENCE_LOAD: f64 = 50.0;
+/// Normal force [N] below which a load exponent sees none: a power is not analytic at zero.
+const SMALLEST_POWER_LOAD: f64 = 1e-6;
+/// Normal force [N] that is rounding where a moving force passes through zero.
+const ROUNDING_OF_FORCE: f64 = 1e-9;
 
 /// Series of one pin contact.
 #[derive(Clone, Debug)]
@@ -33,8 +37,9 @@ pub(super) struct PinJet<S> {
     pub resisting: Series<S>,
     /// Friction torque that does not depend on the normal force, ≥ 0.
     pub constant_torque: S,
-    /// Normal force [N] when it changes in the course of the segment.
-    pub moving_force: Option<Series<S>>,
+    /// Normal force [N] and factor of wear, each when it changes in the course of the segment: the
+    /// load vanishes while one is negative.
+    pub moving: [Option<Series<S>>; 2],
 }
 
 impl<S: Scalar> PinJet<S> {
@@ -48,7 +53,7 @@ impl<S: Scalar> PinJet<S> {
             breakaway: zero,
             resisting: zero,
             constant_torque: S::ZERO,
-            moving_force: None,
+            moving: [None; 2],
         }
     }
 }
@@ -80,10 +85,10 @@ pub(super) struct EffectJet<S> {
     weighted_motor_angle: Series<S>,
     motor_cosine: Series<S>,
     motor_sine: Series<S>,
+    elastic_twist: Series<S>,
     twist_square: Series<S>,
     base_load: Series<S>,
     power_load: Series<S>,
-    worn_load: Series<S>,
     steady_load: Series<S>,
     noise: Series<S>,
 }
@@ -104,10 +109,10 @@ impl<S: Scalar> RigJet<S> {
                 weighted_motor_angle: zero,
                 motor_cosine: zero,
                 motor_sine: zero,
+                elastic_twist: zero,
                 twist_square: zero,
                 base_load: zero,
                 power_load: zero,
-                worn_load: zero,
                 steady_load: zero,
                 noise: zero,
             })
@@ -167,18 +172,12 @@ impl<S: Scalar> Rig<S> {
         recentre(&inputs.voltage, offset, &mut jet.voltage);
         let varying = self.effects.normal_force_wobble.is_some()
             || self.effects.position_friction.is_some()
-            || self.effects.friction_wear.is_some()
             || self.effects.stochastic_friction.is_some();
-        jet.disc.load_is_constant =
-            self.start_load(inputs, offset, jet) && !varying || self.law.is_torque();
-        if self.law.is_torque() {
-            jet.disc.load = [S::ZERO; TERMS];
-            jet.disc.load[0] = S::constant(1.0);
-        }
+        jet.disc.load_is_constant = self.start_load(inputs, time, offset, jet) && !varying;
         if let (Some(outer), Some(pin)) = (&self.outer, &mut jet.disc1) {
             let constant = recentre(&inputs.normal_force_1, offset, &mut pin.load);
-            pin.moving_force = (!constant).then_some(pin.load);
-            scale_load(&mut pin.load, outer.contact.radius);
+            pin.moving[0] = lift_off(&mut pin.load, constant, 0.0);
+            scale(&mut pin.load, outer.contact.radius);
             pin.load_is_constant = constant || outer.law.is_torque();
             if outer.law.is_torque() {
                 pin.load = [S::ZERO; TERMS];
@@ -195,22 +194,42 @@ impl<S: Scalar> Rig<S> {
 
     /// Puts the normal force × radius before any factor that varies with angle or time into the
     /// jet; whether it is constant.
-    fn start_load(&self, inputs: &RigInputs<S>, offset: S, jet: &mut RigJet<S>) -> bool {
+    fn start_load(&self, inputs: &RigInputs<S>, time: S, offset: S, jet: &mut RigJet<S>) -> bool {
         let pin = &mut jet.disc;
-        let constant = recentre(&inputs.normal_force, offset, &mut pin.load);
-        if let Some(bias) = &self.effects.load_cell_bias {
-            // A lifted pin reads zero whatever the offset is.
-            if pin.load[0].value() != 0.0 {
-                pin.load[0] -= bias.bias;
+        let mut constant = true;
+        if self.law.is_torque() {
+            pin.load = [S::ZERO; TERMS];
+            pin.load[0] = S::constant(1.0);
+        } else {
+            constant = recentre(&inputs.normal_force, offset, &mut pin.load);
+            if let Some(bias) = &self.effects.load_cell_bias {
+                // A lifted pin reads zero whatever the offset is.
+                if !constant || pin.load[0].value() != 0.0 {
+                    pin.load[0] -= bias.bias;
+                }
             }
-        }
-        pin.moving_force = (!constant).then_some(pin.load);
-        if let (Some(exponent), Some(work)) = (&self.effects.load_exponent, &mut jet.effects) {
-            if pin.load[0].value() > 0.0 {
-                power(exponent.exponent, constant, &mut pin.load, work);
+            match (&self.effects.load_exponent, &mut jet.effects) {
+                (Some(exponent), Some(work)) => {
+                    pin.moving[0] = lift_off(&mut pin.load, constant, SMALLEST_POWER_LOAD);
+                    if pin.load[0].value() > 0.0 {
+                        power(exponent.exponent, constant, &mut pin.load, work);
+                    }
+                }
+                _ => pin.moving[0] = lift_off(&mut pin.load, constant, 0.0),
             }
+            scale(&mut pin.load, self.contact.radius);
         }
-        scale_load(&mut pin.load, self.contact.radius);
+        if let Some(wear) = &self.effects.friction_wear {
+            let rate = wear.rate_per_minute * (1.0 / MINUTE);
+            let mut factor = [S::ZERO; TERMS];
+            (factor[0], factor[1]) = (rate * time + 1.0, rate);
+            pin.moving[1] = lift_off(&mut factor, false, 0.0);
+            for k in (0..TERMS).rev() {
+                let earlier = if k > 0 { pin.load[k - 1] } else { S::ZERO };
+                pin.load[k] = pin.load[k] * factor[0] + earlier * factor[1];
+            }
+            constant = false;
+        }
         if let Some(work) = &mut jet.effects {
             work.base_load = pin.load;
         }
@@ -218,14 +237,26 @@ impl<S: Scalar> Rig<S> {
     }
 }
 
-/// Scales a normal force to a torque; a pin cannot pull.
-fn scale_load<S: Scalar>(load: &mut Series<S>, radius: S) {
-    if load[0].value() < 0.0 {
-        *load = [S::ZERO; TERMS];
-        return;
+/// Makes a force (or a factor of it) that is not above `threshold` vanish: a pin cannot pull. Gives
+/// what has to be watched if it is not constant.
+fn lift_off<S: Scalar>(force: &mut Series<S>, constant: bool, threshold: f64) -> Option<Series<S>> {
+    let mut watched = *force;
+    watched[0] = watched[0] + -threshold;
+    if watched[0].value().abs() <= ROUNDING_OF_FORCE {
+        // At the instant of touching or lifting the sign is that of what comes next.
+        watched[0] = S::ZERO;
+        force[0] = S::constant(threshold);
     }
-    for c in load.iter_mut() {
-        *c = *c * radius;
+    let next = watched.iter().map(|c| c.value()).find(|c| *c != 0.0);
+    if next.is_none_or(|c| c < 0.0) {
+        *force = [S::ZERO; TERMS];
+    }
+    (!constant).then_some(watched)
+}
+
+fn scale<S: Scalar>(series: &mut Series<S>, factor: S) {
+    for c in series.iter_mut() {
+        *c = *c * factor;
     }
 }
 
@@ -278,6 +309,7 @@ struct SlipTemplate<'a, S> {
     inverse_inertia: S,
     constant_torque: S,
     near: f64,
+    folded: bool,
 }
 
 impl<'a, S: Scalar> Bodies<'a, S> {
@@ -327,6 +359,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 inverse_inertia,
                 constant_torque: bearing,
                 near: mode.near[0],
+                folded: mode.folded[0],
             },
             disc1_slip: rig.outer.as_ref().map(|outer| SlipTemplate {
                 law: &outer.law,
@@ -334,6 +367,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 inverse_inertia: one / outer.disc.inertia,
                 constant_torque: S::ZERO,
                 near: mode.near[1],
+                folded: mode.folded[1],
             }),
         }
     }
@@ -368,11 +402,14 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         let mut resistance_drop = rig.motor.resistance * x[CURRENT][k];
         if self.has_effects {
             if let Some(work) = &mut jet.effects {
-                shaft_torque +=
-                    self.effect_shaft_torque(k, twist_rate, &jet.twist, x, next, per_next, work);
+                work.elastic_twist[k] = twist;
+                let extra = self.effect_shaft_torque(k, twist_rate, x, next, per_next, work);
+                if mode.coupling != Coupling::Free {
+                    shaft_torque += extra;
+                }
                 on_disc = self.effect_disc_torque(k, mode, x, work);
                 on_motor = self.effect_motor_torque(k, x, work);
-                if varying && !rig.law.is_torque() {
+                if varying {
                     self.effect_load(k, time, x, &mut jet.disc.load, work);
                 }
             }
@@ -453,7 +490,6 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         &self,
         k: usize,
         twist_rate: S,
-        twist: &Series<S>,
         x: &mut [Series<S>; STATES],
         next: usize,
         per_next: f64,
@@ -461,9 +497,9 @@ impl<'a, S: Scalar> Bodies<'a, S> {
     ) -> S {
         let mut torque = S::ZERO;
         if let Some(hardening) = &self.rig.effects.shaft_hardening {
-            work.twist_square[k] = convolution(&twist[..=k], &twist[..=k]);
-            torque +=
-                hardening.cubic_stiffness * convolution(&work.twist_square[..=k], &twist[..=k]);
+            let twist = &work.elastic_twist[..=k];
+            work.twist_square[k] = convolution(twist, twist);
+            torque += hardening.cubic_stiffness * convolution(&work.twist_square[..=k], twist);
         }
         if let Some(hysteresis) = &self.rig.effects.shaft_hysteresis {
             let relaxing = x[RELAXING_TORQUE][k];
@@ -545,7 +581,8 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         let effects = &self.rig.effects;
         let one = if k == 0 { S::constant(1.0) } else { S::ZERO };
         let mut coefficient = work.base_load[k];
-        if let Some(wobble) = &effects.normal_force_wobble {
+        let wobble = effects.normal_force_wobble.as_ref();
+        if let Some(wobble) = wobble.filter(|_| !self.rig.law.is_torque()) {
             let (sin, cos) = wobble.phase.sin_cos();
             work.factor[k] = one + wobble.amplitude * (work.cosine[k] * cos + work.sine[k] * sin);
             coefficient = convolution(&work.base_load[..=k], &work.factor[..=k]);
@@ -569,14 +606,6 @@ impl<'a, S: Scalar> Bodies<'a, S> {
             (work.second_cosine[k], work.second_sine[k]) = (c, s);
             coefficient = work.scratch[k]
                 + position.amplitude * convolution(&work.scratch[..=k], &work.second_cosine[..=k]);
-        }
-        if let Some(wear) = &effects.friction_wear {
-            let rate = wear.rate_per_minute * (1.0 / MINUTE);
-            work.worn_load[k] = coefficient;
-            coefficient = coefficient * (rate * time + 1.0);
-            if k > 0 {
-                coefficient += rate * work.worn_load[k - 1];
-            }
         }
         if let (Some(noise), Some(random)) = (&effects.stochastic_friction, &self.random) {
             work.steady_load[k] = coefficient;
@@ -635,6 +664,7 @@ fn contact_order<S: Scalar>(
                 load: &pin.load,
                 load_is_constant: pin.load_is_constant,
                 near: template.near,
+                folded: template.folded,
             };
             pin.slip.speed[k] = omega[k] * sign;
             slip.expand_order(k, resisting * sign, theta, &mut pin.slip);
@@ -793,9 +823,14 @@ fn pin_guards<S: Scalar>(
 ) {
     let (band, _) = law.band();
     let at_zero = |k: usize, value: S| if k == 0 { value } else { S::ZERO };
-    if let Some(force) = &pin.moving_force {
-        let sign = if force[0].value() < 0.0 { -1.0 } else { 1.0 };
-        push(guards, RigGuard::Load(contact), order, |k| force[k] * sign);
+    for moving in pin.moving.iter().flatten() {
+        let next = moving.iter().map(|c| c.value()).find(|c| *c != 0.0);
+        let sign = if next.is_some_and(|c| c < 0.0) {
+            -1.0
+        } else {
+            1.0
+        };
+        push(guards, RigGuard::Load(contact), order, |k| moving[k] * sign);
     }
     match mode {
         ContactMode::Stuck => {
@@ -805,7 +840,7 @@ fn pin_guards<S: Scalar>(
                     guards,
                     RigGuard::Breakaway(contact, direction),
                     order,
-                    |k| pin.breakaway[k] - pin.torque[k] * sign,
+                    |k| pin.breakaway[k] + pin.resisting[k] * sign,
                 );
             }
         }
@@ -835,10 +870,19 @@ fn pin_guards<S: Scalar>(
                 Regime::Holding => None,
             };
             if let Some(up) = speeding_up {
-                let sign = if up { 1.0 } else { -1.0 };
-                push(guards, RigGuard::Turn(contact), order, |k| {
-                    pin.slip.acceleration[k] * sign
-                });
+                let earlier = if up {
+                    Direction::Forward
+                } else {
+                    Direction::Backward
+                };
+                let kind = RigGuard::Turn(contact, earlier);
+                if pin.slip.between {
+                    push(guards, kind, order, |k| at_zero(k, S::constant(-1.0)));
+                } else {
+                    push(guards, kind, order, |k| {
+                        pin.slip.acceleration[k] * earlier.sign()
+                    });
+                }
                 return;
             }
             // While the speed is held the reaction lies between the two branches.

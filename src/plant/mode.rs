@@ -38,6 +38,9 @@ pub struct RigMode {
     /// Slip accelerations of D2 and D1 [rad/s²] in the direction of sliding: which root of the
     /// algebraic loop is being followed.
     pub near: [f64; 2],
+    /// Whether the root that `near` follows has just ended at a fold, for D2 and D1: the segment
+    /// starts on the next stable root.
+    pub folded: [bool; 2],
 }
 
 impl RigMode {
@@ -86,8 +89,8 @@ pub enum RigGuard {
     LeaveBand(Contact, Direction),
     /// A contact inside the band of zero velocity is no longer pushed hard enough.
     Calm(Contact),
-    /// The slip acceleration of a contact changes its sign.
-    Turn(Contact),
+    /// The slip acceleration of a contact that sped up (`Forward`) or slowed down changes its sign.
+    Turn(Contact, Direction),
     /// A contact that slides at constant speed starts to speed up (`Forward`) or to slow down.
     Release(Contact, Direction),
     /// The twist reaches or leaves the dead band; the coupling's next side.

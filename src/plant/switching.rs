@@ -1,5 +1,6 @@
 //! How a rig changes its modes.
 
+use super::expansion::PinJet;
 use super::index::{OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
 use super::{Contact, Coupling, Rig, RigGuard, RigInputs, RigJet, RigMode, RigState};
 use crate::friction::{ContactMode, Direction, Law, Regime};
@@ -42,7 +43,7 @@ impl<S: Scalar> Rig<S> {
                 return (jet.motor_torque[0].value(), limit.value());
             }
         };
-        (pin.torque[0].value(), pin.breakaway[0].value())
+        (-pin.resisting[0].value(), pin.breakaway[0].value())
     }
 
     /// Mode of a contact whose slip velocity is zero.
@@ -84,33 +85,26 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// Mode after the slip acceleration of a contact has reached zero: the branch on which the
-    /// torques can drive it on, or constant speed if neither can.
+    /// torques can drive it on, or constant speed if neither can. `earlier` tells whether the speed
+    /// grew or fell so far, if anything is known of it.
+    #[allow(clippy::too_many_arguments)]
     fn turn(
         &self,
         contact: Contact,
+        earlier: Option<Direction>,
         mode: &mut RigMode,
         time: S,
         state: &RigState<S>,
         inputs: &RigInputs<S>,
         jet: &mut RigJet<S>,
     ) {
-        let ContactMode::Slipping(direction, regime) = mode.contact(contact) else {
+        let ContactMode::Slipping(direction, _) = mode.contact(contact) else {
             return;
         };
         let omega = match contact {
             Contact::Disc => state[OMEGA],
             Contact::Disc1 => state[OMEGA1],
             Contact::Motor => return,
-        };
-        let near = if contact == Contact::Disc {
-            mode.near[0]
-        } else {
-            mode.near[1]
-        };
-        let was_speeding_up = match regime {
-            Regime::SpeedingUp => true,
-            Regime::Free => !near.is_sign_negative(),
-            Regime::SlowingDown | Regime::Holding => false,
         };
         let law = self.law_of(contact);
         let smooth = law
@@ -131,7 +125,7 @@ impl<S: Scalar> Rig<S> {
             mode.restart_root(contact, Regime::SlowingDown);
         };
         if smooth {
-            return if was_speeding_up {
+            return if earlier == Some(Direction::Forward) {
                 slow_down(mode)
             } else {
                 speed_up(mode)
@@ -151,9 +145,9 @@ impl<S: Scalar> Rig<S> {
         let lower = load * pin.slip.lower_level[0].value() + constant;
         let can_speed_up = reaction > upper;
         let can_slow_down = reaction < lower;
-        match (was_speeding_up, can_speed_up, can_slow_down) {
-            (true, _, true) => slow_down(mode),
-            (false, true, _) => speed_up(mode),
+        match (earlier, can_speed_up, can_slow_down) {
+            (Some(Direction::Backward), true, _) | (None, true, _) => speed_up(mode),
+            (_, _, true) => slow_down(mode),
             _ => mode.set_contact(contact, ContactMode::Slipping(direction, Regime::Holding)),
         }
     }
@@ -210,6 +204,7 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
 
     fn carry(&self, mode: &RigMode, jet: &RigJet<S>, tau: f64) -> RigMode {
         let mut mode = *mode;
+        mode.folded = [false; 2];
         if self.law.has_branches() && matches!(mode.disc, ContactMode::Slipping(..)) {
             mode.near[0] = kept_sign(
                 value_at(&jet.disc.slip.acceleration, jet.order, tau),
@@ -240,6 +235,7 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
             motor: ContactMode::Stuck,
             coupling: self.initial_coupling(state),
             near: [0.0; 2],
+            folded: [false; 2],
         };
         let contacts: &[(Contact, usize)] = &[
             (Contact::Motor, OMEGA3),
@@ -266,7 +262,7 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                 ContactMode::Slipping(..)
                     if self.law_of(contact).is_some_and(Law::has_branches) =>
                 {
-                    self.turn(contact, &mut mode, time, state, inputs, jet);
+                    self.turn(contact, None, &mut mode, time, state, inputs, jet);
                 }
                 _ => {}
             }
@@ -307,10 +303,11 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                 );
             }
             RigGuard::Calm(contact) => mode.set_contact(contact, ContactMode::Stuck),
-            RigGuard::Turn(contact) | RigGuard::Release(contact, _) => {
-                if let (RigGuard::Release(_, sense), ContactMode::Slipping(direction, _)) =
-                    (guard, mode.contact(contact))
-                {
+            RigGuard::Turn(contact, earlier) => {
+                self.turn(contact, Some(earlier), &mut mode, time, state, inputs, jet);
+            }
+            RigGuard::Release(contact, sense) => {
+                if let ContactMode::Slipping(direction, _) = mode.contact(contact) {
                     let free = self.law_of(contact).and_then(Law::two_gaussian).is_some();
                     let regime = match (free, sense) {
                         (true, _) => Regime::Free,
@@ -323,8 +320,6 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                         Direction::Backward => Regime::SlowingDown,
                     };
                     mode.restart_root(contact, side);
-                } else {
-                    self.turn(contact, &mut mode, time, state, inputs, jet);
                 }
             }
             RigGuard::Play(coupling) => mode.coupling = coupling,
@@ -350,9 +345,11 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
         None
     }
 
-    fn leave_fold(&self, mode: &RigMode) -> RigMode {
-        // The root of the loop is searched afresh; the old branch no longer exists.
-        *mode
+    fn leave_fold(&self, mode: &RigMode, jet: &RigJet<S>) -> RigMode {
+        let at_fold = |pin: &PinJet<S>| pin.slip.margin < FOLD_MARGIN;
+        let mut mode = *mode;
+        mode.folded = [at_fold(&jet.disc), jet.disc1.as_ref().is_some_and(at_fold)];
+        mode
     }
 
     fn describe(&self, mode: &RigMode) -> String {

@@ -104,7 +104,8 @@ mod tests {
     fn finds_the_first_of_several_roots() {
         let p = polynomial(&[0.3, 0.300_01, 0.9]);
         let root = first_loss_of_sign(&p, 1.0).unwrap();
-        assert!((root - 0.3).abs() < 1e-12, "{root}");
+        // The slope at the root is 7e-5: rounding of the coefficients alone moves it by 5e-12.
+        assert!((root - 0.3).abs() < 5e-11, "{root}");
     }
 
     #[test]
