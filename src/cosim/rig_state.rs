@@ -63,6 +63,7 @@ pub(super) fn write_snapshot(snapshot: &RigSnapshot, state: &mut StateWriter) {
     }
     state.integer(place_of(&COUPLINGS, mode.coupling));
     mode.near.iter().for_each(|value| state.real(*value));
+    mode.folded.iter().for_each(|folded| state.flag(*folded));
     InputSignals::of(&snapshot.inputs).save(state);
     state.flag(snapshot.departing);
     let statistics = &snapshot.statistics;
@@ -88,6 +89,7 @@ pub(super) fn read_snapshot(state: &mut StateReader<'_>) -> Result<RigSnapshot, 
     let (disc, disc1, motor) = (contact()?, contact()?, contact()?);
     let coupling = element(&COUPLINGS, state.integer()?, "coupling mode")?;
     let near = [state.real()?, state.real()?];
+    let folded = [state.flag()?, state.flag()?];
     let signals = InputSignals::restore(state)?;
     Ok(Snapshot {
         start,
@@ -98,6 +100,7 @@ pub(super) fn read_snapshot(state: &mut StateReader<'_>) -> Result<RigSnapshot, 
             motor,
             coupling,
             near,
+            folded,
         },
         inputs: signals.uncentred(),
         departing: state.flag()?,
