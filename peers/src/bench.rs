@@ -10,10 +10,7 @@ use crate::files::write_atomically;
 use crate::measurement::Run;
 use crate::report::{Findings, Reference, csv, equal_error_tables, page, run_table};
 use crate::systems::{self, System};
-use crate::{cvode, diffsol_rig, plot, python};
-
-/// Name of our integrator in tables.
-const OURS: &str = "stickslip";
+use crate::{cvode, diffsol_rig, ours, plot, python};
 
 /// Largest difference [rad] between independent converged solutions that still makes a reference.
 const REFERENCE_AGREEMENT: f64 = 1e-9;
@@ -21,6 +18,8 @@ const REFERENCE_AGREEMENT: f64 = 1e-9;
 /// A solver that can be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Solver {
+    /// Our own integrator.
+    Stickslip,
     /// SUNDIALS CVODE, compiled C.
     Cvode,
     /// The Rust crate diffsol; system (a) only.
@@ -65,6 +64,12 @@ pub fn run(options: &Options) -> Result<bool> {
         .filter(|s| options.systems.is_empty() || options.systems.iter().any(|key| key == s.key))
         .collect();
     let mut runs: Vec<Run> = Vec::new();
+    if wanted(Solver::Stickslip) {
+        for system in &systems {
+            eprintln!("system {}: {}", system.key, ours::NAME);
+            runs.extend(ours::sweep(system, effort)?);
+        }
+    }
     if wanted(Solver::Cvode) {
         let program = cvode::build()?;
         for system in &systems {
@@ -98,13 +103,16 @@ pub fn run(options: &Options) -> Result<bool> {
         setting: setting(),
     };
     println!("{}", run_table(&findings));
-    println!("{}", equal_error_tables(&findings, OURS));
+    println!("{}", equal_error_tables(&findings, ours::NAME));
     write_atomically(&options.out.join("work-precision.csv"), &csv(&findings))?;
     write_atomically(
         &options.out.join("work-precision.svg"),
         &plot::svg(&findings),
     )?;
-    write_atomically(&options.out.join("benchmarks.md"), &page(&findings, OURS))?;
+    write_atomically(
+        &options.out.join("benchmarks.md"),
+        &page(&findings, ours::NAME),
+    )?;
     let met = bars_met(&findings);
     Ok(met || !options.check)
 }
@@ -125,7 +133,10 @@ fn tightest<'a>(
 /// The mean of the converged solutions that took part, once they agree.
 fn reference(system: &System, runs: &[Run]) -> Result<Reference> {
     let mut sources: Vec<(String, f64)> = Vec::new();
-    for (solver, configuration) in [(cvode::NAME, Some(cvode::MOST_PRECISE)), (OURS, None)] {
+    for (solver, configuration) in [
+        (cvode::NAME, Some(cvode::MOST_PRECISE)),
+        (ours::NAME, Some(ours::MOST_PRECISE)),
+    ] {
         if let Some(run) = tightest(runs, system, solver, configuration) {
             sources.push((format!("{solver} at {:.0e}", run.tolerance), run.theta));
         }
@@ -134,8 +145,9 @@ fn reference(system: &System, runs: &[Run]) -> Result<Reference> {
         .first()
         .with_context(|| {
             format!(
-                "system {}: a reference needs CVODE or {OURS} among --solvers",
-                system.key
+                "system {}: a reference needs CVODE or {} among --solvers",
+                system.key,
+                ours::NAME
             )
         })?
         .clone();
@@ -162,13 +174,15 @@ fn reference(system: &System, runs: &[Run]) -> Result<Reference> {
 fn bars_met(findings: &Findings) -> bool {
     let mut met = true;
     for system in &findings.systems {
-        let Some(ratio) = findings.ratio(system.key, cvode::NAME, OURS, 1e-6) else {
+        let Some(ratio) = findings.ratio(system.key, cvode::NAME, ours::NAME, 1e-6) else {
             continue;
         };
         let verdict = if ratio >= system.bar { "met" } else { "MISSED" };
         println!(
-            "({}) CVODE / {OURS} at 1e-6 rad: {ratio:.1} (bar {}: {verdict})",
-            system.key, system.bar
+            "({}) CVODE / {} at 1e-6 rad: {ratio:.1} (bar {}: {verdict})",
+            system.key,
+            ours::NAME,
+            system.bar
         );
         met &= ratio >= system.bar;
     }

@@ -9,6 +9,7 @@ mod diffsol_rig;
 mod effort;
 mod files;
 mod measurement;
+mod ours;
 mod plot;
 mod python;
 mod report;

@@ -7,7 +7,13 @@ pub const END_TIME: f64 = 60.0;
 /// Time between two outputs [s].
 pub const OUTPUT_STEP: f64 = 0.01;
 
+const DISC_INERTIA: f64 = 0.0149;
+const STIFFNESS: f64 = 0.3482;
+const DAMPING: f64 = 0.0022;
+const PIN_RADIUS: f64 = 0.075;
 const ETA: f64 = 8.0;
+const MOTOR_INERTIA: f64 = 5.18e-5;
+const INDUCTANCE: f64 = 8.437e-4;
 const RESISTANCE: f64 = 0.33;
 const TORQUE_CONSTANT: f64 = 0.126;
 const BACK_EMF_CONSTANT: f64 = 0.0602;
@@ -129,19 +135,19 @@ impl System {
     #[must_use]
     pub fn parameters(&self) -> Vec<(&'static str, f64)> {
         let mut list = vec![
-            ("J2", 0.0149),
-            ("k2", 0.3482),
-            ("c2", 0.0022),
+            ("J2", DISC_INERTIA),
+            ("k2", STIFFNESS),
+            ("c2", DAMPING),
             ("N2", self.normal_force),
             ("eta", ETA),
-            ("Jm", 5.18e-5),
+            ("Jm", MOTOR_INERTIA),
             ("R", RESISTANCE),
-            ("L", 8.437e-4),
+            ("L", INDUCTANCE),
             ("KT", TORQUE_CONSTANT),
             ("KE", BACK_EMF_CONSTANT),
             ("Tfm", COULOMB_TORQUE),
             ("Cm", VISCOUS_DAMPING),
-            ("radius", 0.075),
+            ("radius", PIN_RADIUS),
             ("u", self.voltage()),
         ];
         match self.law {
@@ -179,5 +185,48 @@ impl System {
             ]);
         }
         list
+    }
+
+    /// The same numbers as a `model.toml`.
+    #[must_use]
+    pub fn model_toml(&self) -> String {
+        let law = match self.law {
+            Law::Stribeck {
+                mu_c,
+                mu_s,
+                omega_s,
+            } => {
+                format!(
+                    "law = \"stribeck\"\nmu_c = {mu_c:?}\nmu_s = {mu_s:?}\nomega_s = {omega_s:?}\n"
+                )
+            }
+            Law::TwoGaussian {
+                a,
+                b,
+                c,
+                omega_centre,
+                acceleration_semi_axis,
+            } => format!(
+                "law = \"two_gaussian_mu\"\na1 = {:?}\nb1 = {:?}\nc1 = {:?}\na2 = {:?}\nb2 = {:?}\nc2 = {:?}\n\
+                 omega_centre = {omega_centre:?}\nacceleration_semi_axis = {acceleration_semi_axis:?}\n",
+                a[0], b[0], c[0], a[1], b[1], c[1]
+            ),
+        };
+        let contact = format!("radius = {PIN_RADIUS:?}\n{law}");
+        let first_disc = self.first_disc.map_or_else(String::new, |disc| {
+            format!(
+                "[disc1]\ninertia = {:?}\n[shaft1]\nstiffness = {:?}\ndamping = {:?}\n[contact1]\n{contact}",
+                disc.inertia, disc.stiffness, disc.damping
+            )
+        });
+        format!(
+            "[disc]\ninertia = {DISC_INERTIA:?}\n\
+             [shaft]\nstiffness = {STIFFNESS:?}\ndamping = {DAMPING:?}\n\
+             [gearbox]\nratio = {ETA:?}\n\
+             [motor]\ninertia = {MOTOR_INERTIA:?}\nresistance = {RESISTANCE:?}\ninductance = {INDUCTANCE:?}\n\
+             torque_constant = {TORQUE_CONSTANT:?}\nback_emf_constant = {BACK_EMF_CONSTANT:?}\n\
+             coulomb_torque = {COULOMB_TORQUE:?}\nviscous_damping = {VISCOUS_DAMPING:?}\n\
+             [contact]\n{contact}{first_disc}"
+        )
     }
 }
