@@ -151,7 +151,7 @@ def test_library_beside_the_program_is_enough(tmp_path):
 
 
 def test_foreign_library_is_refused(tmp_path):
-    foreign = pathlib.Path(fmpy.__file__).parent / "sundials" / "x86_64-linux" / "sundials_cvode.so"
+    foreign = pathlib.Path(fmpy.__file__).parent / "sundials" / "x86_64-linux" / "sundials_core.so"
     result = subprocess.run(
         [PROGRAMS / "build-fmu", MODELS["ReducedRig"], "--out", tmp_path, "--library", foreign],
         capture_output=True, text=True,
