@@ -288,6 +288,8 @@ impl CoSimulationModel for RigModel {
                 .parameter_at(position)
                 .ok_or_else(|| ModelError(format!("there is no parameter {position}"))),
             quantity => {
+                // No further than the run itself goes: what lies beyond would break the steadiness at switches.
+                let order = self.options().order;
                 let time = self.time;
                 let run = match (&self.run, quantity) {
                     // No input moves a state at once: no need to catch up.
@@ -296,7 +298,7 @@ impl CoSimulationModel for RigModel {
                 };
                 let tau = time - run.segment_start();
                 Self::series(run.system(), run.jet(), quantity)
-                    .map(|series| evaluate(series, tau))
+                    .map(|series| evaluate(&series[..=order], tau))
                     .ok_or_else(|| self.no_series(value_reference))
             }
         }
