@@ -195,7 +195,11 @@ impl RigModel {
         quantity: Quantity,
     ) -> Option<&'a [S]> {
         match quantity {
-            Quantity::State(place) => system.states(jet).get(place).map(|series| &series[..]),
+            // The torque has the terms that count; a state's array goes on beyond them.
+            Quantity::State(place) => system
+                .states(jet)
+                .get(place)?
+                .get(..jet.friction_torque().len()),
             Quantity::Friction(Friction::Disc) => Some(jet.friction_torque()),
             Quantity::Friction(Friction::Disc1) => jet.friction_torque_1(),
             Quantity::Friction(Friction::Motor) => Some(jet.motor_friction_torque()),

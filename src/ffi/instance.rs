@@ -385,6 +385,8 @@ impl Instance {
             )));
         }
         self.last_step = Status::Error;
+        // A tiny step from a point that lies a rounding error behind must not go back.
+        let until = until.max(self.time);
         let end = match self.model.step(until, self.early_return_allowed) {
             Ok(end) => end,
             Err(error) => {

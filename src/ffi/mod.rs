@@ -20,6 +20,8 @@ mod resource;
 mod saved;
 mod states;
 mod status;
+#[cfg(test)]
+mod tests;
 
 pub use log::{Fmi2Logger, Fmi3Logger};
 pub use status::Status;
