@@ -1,0 +1,189 @@
+//! What an FMU's `modelDescription.xml` says, as far as a run needs it.
+
+use std::path::{Path, PathBuf};
+
+use roxmltree::{Document, Node};
+use thiserror::Error;
+
+use super::variable::{Kind, Role, Variable};
+
+/// Version of the standard that an FMU follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FmiVersion {
+    /// FMI 2.0.
+    Two,
+    /// FMI 3.0.
+    Three,
+}
+
+/// Why a description was refused.
+#[derive(Debug, Error)]
+#[error("{path}: modelDescription.xml {problem}")]
+pub struct DescriptionError {
+    /// The FMU.
+    pub path: PathBuf,
+    /// What is wrong.
+    pub problem: String,
+}
+
+/// An FMU's description.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Description {
+    /// Version of the standard.
+    pub version: FmiVersion,
+    /// Name of the model.
+    pub model_name: String,
+    /// What made the FMU.
+    pub generation_tool: String,
+    /// Name of the binary.
+    pub model_identifier: String,
+    /// `guid` of FMI 2, `instantiationToken` of FMI 3.
+    pub token: String,
+    /// The variables in the order of the file.
+    pub variables: Vec<Variable>,
+}
+
+impl Description {
+    /// Reads the description from the text of the XML file of the FMU `path`.
+    ///
+    /// # Errors
+    /// [`DescriptionError`] where it is no description of an FMU for co-simulation.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, DescriptionError> {
+        let refuse = |problem: String| DescriptionError { path: path.to_owned(), problem };
+        let document = Document::parse(text).map_err(|error| refuse(format!("is not sound XML: {error}")))?;
+        let root = document.root_element();
+        let version = match root.attribute("fmiVersion") {
+            Some("2.0") => FmiVersion::Two,
+            Some(version) if version.starts_with("3.") => FmiVersion::Three,
+            Some(other) => return Err(refuse(format!("has fmiVersion {other}; 2.0 and 3.0 can be run"))),
+            None => return Err(refuse("has no fmiVersion".to_owned())),
+        };
+        let Some(interface) = child(root, "CoSimulation") else {
+            return Err(refuse("offers no co-simulation".to_owned()));
+        };
+        let model_identifier = interface.attribute("modelIdentifier").unwrap_or_default().to_owned();
+        // The name becomes part of a path to a library that is loaded.
+        if model_identifier.is_empty() || !model_identifier.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+            return Err(refuse(format!("has the modelIdentifier `{model_identifier}`, which is no name in C")));
+        }
+        let token_name = if version == FmiVersion::Two { "guid" } else { "instantiationToken" };
+        let Some(token) = root.attribute(token_name) else {
+            return Err(refuse(format!("has no {token_name}")));
+        };
+        let nodes = child(root, "ModelVariables").into_iter().flat_map(|node| node.children()).filter(Node::is_element);
+        let variables = nodes
+            .map(|node| match version {
+                FmiVersion::Two => read_variable_2(node),
+                FmiVersion::Three => read_variable_3(node),
+            })
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(refuse)?;
+        Ok(Self {
+            version,
+            model_name: root.attribute("modelName").unwrap_or_default().to_owned(),
+            generation_tool: root.attribute("generationTool").unwrap_or_default().to_owned(),
+            model_identifier,
+            token: token.to_owned(),
+            variables,
+        })
+    }
+}
+
+fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+fn read_variable_2(node: Node<'_, '_>) -> Result<Variable, String> {
+    let typed = node.children().find(Node::is_element);
+    let kind = match typed.map(|typed| typed.tag_name().name()) {
+        Some("Real") => Kind::Real,
+        Some("Boolean") => Kind::Boolean,
+        _ => Kind::Other,
+    };
+    read_variable(node, typed.unwrap_or(node), kind)
+}
+
+fn read_variable_3(node: Node<'_, '_>) -> Result<Variable, String> {
+    // Arrays are none of this project's business.
+    let scalar = child(node, "Dimension").is_none();
+    let kind = match node.tag_name().name() {
+        "Float64" if scalar => Kind::Real,
+        "Boolean" if scalar => Kind::Boolean,
+        _ => Kind::Other,
+    };
+    read_variable(node, node, kind)
+}
+
+fn read_variable(node: Node<'_, '_>, typed: Node<'_, '_>, kind: Kind) -> Result<Variable, String> {
+    let name = node.attribute("name").ok_or("has a variable without a name")?.to_owned();
+    let reference = node.attribute("valueReference").and_then(|text| text.parse().ok());
+    let Some(reference) = reference else {
+        return Err(format!("gives no usable valueReference for the variable `{name}`"));
+    };
+    let number = |attribute: &str| match (kind, typed.attribute(attribute)) {
+        (Kind::Other, _) | (_, None) => Ok(None),
+        (_, Some("true")) => Ok(Some(1.0)),
+        (_, Some("false")) => Ok(Some(0.0)),
+        (_, Some(text)) => match text.trim().parse::<f64>() {
+            Ok(value) => Ok(Some(value)),
+            Err(_) => Err(format!("gives the variable `{name}` {attribute} = `{text}`, which is no number")),
+        },
+    };
+    Ok(Variable {
+        reference,
+        role: match node.attribute("causality") {
+            Some("independent") => Role::Time,
+            Some("input") => Role::Input,
+            Some("output") => Role::Output,
+            Some("parameter") => Role::Parameter,
+            Some("local") | None => Role::Local,
+            Some(_) => Role::Other,
+        },
+        kind,
+        unit: typed.attribute("unit").unwrap_or_default().to_owned(),
+        start: number("start")?,
+        minimum: number("min")?,
+        maximum: number("max")?,
+        description: node.attribute("description").unwrap_or_default().to_owned(),
+        name,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Description, DescriptionError> {
+        Description::parse(text, Path::new("rig.fmu"))
+    }
+
+    #[test]
+    fn both_versions_read_alike() {
+        let two = parse(
+            r#"<fmiModelDescription fmiVersion="2.0" modelName="Rig" guid="{1}"><CoSimulation modelIdentifier="Rig"/>
+            <ModelVariables><ScalarVariable name="u" valueReference="1" causality="input" description="voltage">
+            <Real unit="V" start="0" min="-24"/></ScalarVariable></ModelVariables></fmiModelDescription>"#,
+        )
+        .unwrap();
+        let three = parse(
+            r#"<fmiModelDescription fmiVersion="3.0" modelName="Rig" instantiationToken="{1}">
+            <CoSimulation modelIdentifier="Rig"/><ModelVariables>
+            <Float64 name="u" valueReference="1" causality="input" description="voltage" unit="V" start="0" min="-24"/>
+            </ModelVariables></fmiModelDescription>"#,
+        )
+        .unwrap();
+        assert_eq!(two.variables, three.variables);
+        assert_eq!(two.variables[0].minimum, Some(-24.0));
+        assert_eq!((two.token, two.version), (three.token, FmiVersion::Two));
+    }
+
+    #[test]
+    fn wrong_descriptions_are_refused_with_the_reason() {
+        let reason = |text: &str| parse(text).unwrap_err().to_string();
+        assert!(reason("<a").contains("is not sound XML"));
+        assert!(reason(r#"<f fmiVersion="1.0"/>"#).contains("fmiVersion 1.0"));
+        assert!(reason(r#"<f fmiVersion="2.0" guid="1"/>"#).contains("no co-simulation"));
+        let outside = r#"<f fmiVersion="2.0" guid="1"><CoSimulation modelIdentifier="../../evil"/></f>"#;
+        assert!(reason(outside).contains("no name in C"));
+    }
+}
