@@ -2,6 +2,8 @@
 
 use clap::{Parser, Subcommand};
 
+use crate::simulate::{self, SimulateArguments};
+
 /// What a command came to; the process' exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
@@ -22,12 +24,17 @@ pub struct Cli {
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
-pub enum Command {}
+pub enum Command {
+    /// Run a model or an FMU.
+    Simulate(SimulateArguments),
+}
 
 /// Runs the command that was given.
 ///
 /// # Errors
 /// Whatever is wrong with the usage or the input, in words for the user; the exit code is then 2.
 pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
-    match cli.command {}
+    match &cli.command {
+        Command::Simulate(arguments) => simulate::command(arguments),
+    }
 }

@@ -6,5 +6,7 @@
 
 pub mod analysis;
 pub mod cli;
+pub mod component;
 pub mod files;
 pub mod plot;
+pub mod simulate;

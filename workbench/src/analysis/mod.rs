@@ -2,4 +2,5 @@
 
 pub mod limit_cycle;
 pub mod measures;
+pub mod motion;
 pub mod spectrum;

@@ -65,19 +65,35 @@ impl Archive {
     /// [`ArchiveError`] where it is no archive, or where an entry would leave the directory, is a link, appears twice or
     /// makes it too large.
     pub fn unpack(path: &Path) -> Result<Self, ArchiveError> {
-        let failed = |step| move |source| ArchiveError::Io { path: path.to_owned(), step, source };
-        let not_zip = |error: zip::result::ZipError| ArchiveError::NotZip { path: path.to_owned(), reason: error.to_string() };
+        let failed = |step| {
+            move |source| ArchiveError::Io {
+                path: path.to_owned(),
+                step,
+                source,
+            }
+        };
+        let not_zip = |error: zip::result::ZipError| ArchiveError::NotZip {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        };
         let file = File::open(path).map_err(failed("be opened"))?;
         let mut archive = ZipArchive::new(io::BufReader::new(file)).map_err(not_zip)?;
         if archive.len() > MOST_ENTRIES {
-            return Err(ArchiveError::TooLarge { path: path.to_owned() });
+            return Err(ArchiveError::TooLarge {
+                path: path.to_owned(),
+            });
         }
-        let directory = TempDir::with_prefix("stickslip-fmu-").map_err(failed("make a directory to unpack it into"))?;
+        let directory = TempDir::with_prefix("stickslip-fmu-")
+            .map_err(failed("make a directory to unpack it into"))?;
         let mut left = MOST_BYTES;
         for index in 0..archive.len() {
             let mut entry = archive.by_index(index).map_err(not_zip)?;
             let name = entry.name().map_err(not_zip)?.into_owned();
-            let hostile = |problem| ArchiveError::Hostile { path: path.to_owned(), entry: name.clone(), problem };
+            let hostile = |problem| ArchiveError::Hostile {
+                path: path.to_owned(),
+                entry: name.clone(),
+                problem,
+            };
             if let Some(problem) = name_problem(&name) {
                 return Err(hostile(problem));
             }
@@ -92,15 +108,30 @@ impl Archive {
             if let Some(parent) = target.parent() {
                 fs::create_dir_all(parent).map_err(failed("be unpacked"))?;
             }
-            let mut output = match OpenOptions::new().write(true).create_new(true).open(&target) {
+            let mut output = match OpenOptions::new()
+                .write(true)
+                .create_new(true)
+                .open(&target)
+            {
                 Ok(output) => output,
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => return Err(hostile("appears twice")),
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                    return Err(hostile("appears twice"));
+                }
                 Err(error) => return Err(failed("be unpacked")(error)),
             };
             // What the archive says of its sizes may be a lie; what comes out of it is counted.
-            let written = io::copy(&mut (&mut entry).take(left + 1), &mut output)
-                .map_err(|error| ArchiveError::NotZip { path: path.to_owned(), reason: error.to_string() })?;
-            left = left.checked_sub(written).ok_or_else(|| ArchiveError::TooLarge { path: path.to_owned() })?;
+            let written =
+                io::copy(&mut (&mut entry).take(left + 1), &mut output).map_err(|error| {
+                    ArchiveError::NotZip {
+                        path: path.to_owned(),
+                        reason: error.to_string(),
+                    }
+                })?;
+            left = left
+                .checked_sub(written)
+                .ok_or_else(|| ArchiveError::TooLarge {
+                    path: path.to_owned(),
+                })?;
         }
         Ok(Self { directory })
     }
@@ -143,7 +174,9 @@ mod tests {
 
     fn with_entry(name: &str) -> Result<Archive, ArchiveError> {
         let (_place, path) = archive(|writer| {
-            writer.start_file(name, SimpleFileOptions::default()).unwrap();
+            writer
+                .start_file(name, SimpleFileOptions::default())
+                .unwrap();
             writer.write_all(b"content").unwrap();
         });
         Archive::unpack(&path)
@@ -160,17 +193,32 @@ mod tests {
 
     #[test]
     fn entries_that_leave_the_directory_are_refused() {
-        for name in ["../evil", "/etc/evil", "a/../../evil", "C:/evil", "a\\..\\evil"] {
-            assert!(matches!(with_entry(name), Err(ArchiveError::Hostile { .. })), "{name}");
+        for name in [
+            "../evil",
+            "/etc/evil",
+            "a/../../evil",
+            "C:/evil",
+            "a\\..\\evil",
+        ] {
+            assert!(
+                matches!(with_entry(name), Err(ArchiveError::Hostile { .. })),
+                "{name}"
+            );
         }
     }
 
     #[test]
     fn links_are_refused() {
-        let (_place, path) =
-            archive(|writer| writer.add_symlink("binaries", "/usr/lib", SimpleFileOptions::default()).unwrap());
+        let (_place, path) = archive(|writer| {
+            writer
+                .add_symlink("binaries", "/usr/lib", SimpleFileOptions::default())
+                .unwrap()
+        });
         let refused = Archive::unpack(&path).unwrap_err();
-        assert!(refused.to_string().contains("`binaries` is a link"), "{refused}");
+        assert!(
+            refused.to_string().contains("`binaries` is a link"),
+            "{refused}"
+        );
     }
 
     #[test]
@@ -178,11 +226,16 @@ mod tests {
         let (_place, path) = archive(|writer| {
             let zeros = vec![0_u8; 1 << 20];
             for index in 0..(MOST_BYTES >> 20) / 256 + 1 {
-                writer.start_file(format!("zeros-{index}"), SimpleFileOptions::default()).unwrap();
+                writer
+                    .start_file(format!("zeros-{index}"), SimpleFileOptions::default())
+                    .unwrap();
                 (0..256).for_each(|_| writer.write_all(&zeros).unwrap());
             }
         });
-        assert!(matches!(Archive::unpack(&path), Err(ArchiveError::TooLarge { .. })));
+        assert!(matches!(
+            Archive::unpack(&path),
+            Err(ArchiveError::TooLarge { .. })
+        ));
     }
 
     #[test]
@@ -190,7 +243,13 @@ mod tests {
         let place = TempDir::new().unwrap();
         let path = place.path().join("test.fmu");
         fs::write(&path, b"not a zip").unwrap();
-        assert!(matches!(Archive::unpack(&path), Err(ArchiveError::NotZip { .. })));
-        assert!(matches!(Archive::unpack(&place.path().join("none.fmu")), Err(ArchiveError::Io { .. })));
+        assert!(matches!(
+            Archive::unpack(&path),
+            Err(ArchiveError::NotZip { .. })
+        ));
+        assert!(matches!(
+            Archive::unpack(&place.path().join("none.fmu")),
+            Err(ArchiveError::Io { .. })
+        ));
     }
 }

@@ -49,28 +49,52 @@ impl Description {
     /// # Errors
     /// [`DescriptionError`] where it is no description of an FMU for co-simulation.
     pub fn parse(text: &str, path: &Path) -> Result<Self, DescriptionError> {
-        let refuse = |problem: String| DescriptionError { path: path.to_owned(), problem };
-        let document = Document::parse(text).map_err(|error| refuse(format!("is not sound XML: {error}")))?;
+        let refuse = |problem: String| DescriptionError {
+            path: path.to_owned(),
+            problem,
+        };
+        let document =
+            Document::parse(text).map_err(|error| refuse(format!("is not sound XML: {error}")))?;
         let root = document.root_element();
         let version = match root.attribute("fmiVersion") {
             Some("2.0") => FmiVersion::Two,
             Some(version) if version.starts_with("3.") => FmiVersion::Three,
-            Some(other) => return Err(refuse(format!("has fmiVersion {other}; 2.0 and 3.0 can be run"))),
+            Some(other) => {
+                return Err(refuse(format!(
+                    "has fmiVersion {other}; 2.0 and 3.0 can be run"
+                )));
+            }
             None => return Err(refuse("has no fmiVersion".to_owned())),
         };
         let Some(interface) = child(root, "CoSimulation") else {
             return Err(refuse("offers no co-simulation".to_owned()));
         };
-        let model_identifier = interface.attribute("modelIdentifier").unwrap_or_default().to_owned();
+        let model_identifier = interface
+            .attribute("modelIdentifier")
+            .unwrap_or_default()
+            .to_owned();
         // The name becomes part of a path to a library that is loaded.
-        if model_identifier.is_empty() || !model_identifier.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-            return Err(refuse(format!("has the modelIdentifier `{model_identifier}`, which is no name in C")));
+        if model_identifier.is_empty()
+            || !model_identifier
+                .chars()
+                .all(|c| c.is_ascii_alphanumeric() || c == '_')
+        {
+            return Err(refuse(format!(
+                "has the modelIdentifier `{model_identifier}`, which is no name in C"
+            )));
         }
-        let token_name = if version == FmiVersion::Two { "guid" } else { "instantiationToken" };
+        let token_name = if version == FmiVersion::Two {
+            "guid"
+        } else {
+            "instantiationToken"
+        };
         let Some(token) = root.attribute(token_name) else {
             return Err(refuse(format!("has no {token_name}")));
         };
-        let nodes = child(root, "ModelVariables").into_iter().flat_map(|node| node.children()).filter(Node::is_element);
+        let nodes = child(root, "ModelVariables")
+            .into_iter()
+            .flat_map(|node| node.children())
+            .filter(Node::is_element);
         let variables = nodes
             .map(|node| match version {
                 FmiVersion::Two => read_variable_2(node),
@@ -81,7 +105,10 @@ impl Description {
         Ok(Self {
             version,
             model_name: root.attribute("modelName").unwrap_or_default().to_owned(),
-            generation_tool: root.attribute("generationTool").unwrap_or_default().to_owned(),
+            generation_tool: root
+                .attribute("generationTool")
+                .unwrap_or_default()
+                .to_owned(),
             model_identifier,
             token: token.to_owned(),
             variables,
@@ -115,10 +142,17 @@ fn read_variable_3(node: Node<'_, '_>) -> Result<Variable, String> {
 }
 
 fn read_variable(node: Node<'_, '_>, typed: Node<'_, '_>, kind: Kind) -> Result<Variable, String> {
-    let name = node.attribute("name").ok_or("has a variable without a name")?.to_owned();
-    let reference = node.attribute("valueReference").and_then(|text| text.parse().ok());
+    let name = node
+        .attribute("name")
+        .ok_or("has a variable without a name")?
+        .to_owned();
+    let reference = node
+        .attribute("valueReference")
+        .and_then(|text| text.parse().ok());
     let Some(reference) = reference else {
-        return Err(format!("gives no usable valueReference for the variable `{name}`"));
+        return Err(format!(
+            "gives no usable valueReference for the variable `{name}`"
+        ));
     };
     let number = |attribute: &str| match (kind, typed.attribute(attribute)) {
         (Kind::Other, _) | (_, None) => Ok(None),
@@ -126,7 +160,9 @@ fn read_variable(node: Node<'_, '_>, typed: Node<'_, '_>, kind: Kind) -> Result<
         (_, Some("false")) => Ok(Some(0.0)),
         (_, Some(text)) => match text.trim().parse::<f64>() {
             Ok(value) => Ok(Some(value)),
-            Err(_) => Err(format!("gives the variable `{name}` {attribute} = `{text}`, which is no number")),
+            Err(_) => Err(format!(
+                "gives the variable `{name}` {attribute} = `{text}`, which is no number"
+            )),
         },
     };
     Ok(Variable {
@@ -183,7 +219,8 @@ mod tests {
         assert!(reason("<a").contains("is not sound XML"));
         assert!(reason(r#"<f fmiVersion="1.0"/>"#).contains("fmiVersion 1.0"));
         assert!(reason(r#"<f fmiVersion="2.0" guid="1"/>"#).contains("no co-simulation"));
-        let outside = r#"<f fmiVersion="2.0" guid="1"><CoSimulation modelIdentifier="../../evil"/></f>"#;
+        let outside =
+            r#"<f fmiVersion="2.0" guid="1"><CoSimulation modelIdentifier="../../evil"/></f>"#;
         assert!(reason(outside).contains("no name in C"));
     }
 }

@@ -123,7 +123,9 @@ pub fn open(path: &Path) -> Result<Box<dyn Component>, ComponentError> {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("toml") => Ok(Box::new(Native::open(path)?)),
         Some("fmu") => Ok(Box::new(Fmu::open(path)?)),
-        _ => Err(ComponentError::UnknownFile { path: path.to_owned() }),
+        _ => Err(ComponentError::UnknownFile {
+            path: path.to_owned(),
+        }),
     }
 }
 
@@ -133,12 +135,17 @@ pub fn open(path: &Path) -> Result<Box<dyn Component>, ComponentError> {
 /// [`ComponentError::UnknownVariable`], with the nearest name there is.
 pub fn position(component: &dyn Component, name: &str) -> Result<usize, ComponentError> {
     let variables = component.variables();
-    variables.iter().position(|variable| variable.name == name).ok_or_else(|| {
-        let names = variables.iter().map(|variable| variable.name.as_str());
-        ComponentError::UnknownVariable {
-            component: component.title(),
-            name: name.to_owned(),
-            hint: closest(name, names).map(|near| format!("; did you mean `{near}`?")).unwrap_or_default(),
-        }
-    })
+    variables
+        .iter()
+        .position(|variable| variable.name == name)
+        .ok_or_else(|| {
+            let names = variables.iter().map(|variable| variable.name.as_str());
+            ComponentError::UnknownVariable {
+                component: component.title(),
+                name: name.to_owned(),
+                hint: closest(name, names)
+                    .map(|near| format!("; did you mean `{near}`?"))
+                    .unwrap_or_default(),
+            }
+        })
 }

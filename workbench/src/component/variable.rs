@@ -83,7 +83,10 @@ mod tests {
     #[test]
     fn the_nearest_name_is_found_and_far_ones_are_not() {
         let names = ["u", "N2", "contact.mu_s", "contact.mu_c"];
-        assert_eq!(closest("contact.mus", names.into_iter()), Some("contact.mu_s"));
+        assert_eq!(
+            closest("contact.mus", names.into_iter()),
+            Some("contact.mu_s")
+        );
         assert_eq!(closest("n2", names.into_iter()), Some("N2"));
         assert_eq!(closest("gearbox.ratio", names.into_iter()), None);
     }
