@@ -2,6 +2,8 @@
 
 use clap::{Parser, Subcommand};
 
+use crate::build::{self, BuildArguments};
+use crate::info::{self, InfoArguments};
 use crate::simulate::{self, SimulateArguments};
 
 /// What a command came to; the process' exit code.
@@ -27,6 +29,10 @@ pub struct Cli {
 pub enum Command {
     /// Run a model or an FMU.
     Simulate(SimulateArguments),
+    /// Say what a model or an FMU is and has.
+    Info(InfoArguments),
+    /// Pack a model into FMUs.
+    Build(BuildArguments),
 }
 
 /// Runs the command that was given.
@@ -36,5 +42,7 @@ pub enum Command {
 pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
     match &cli.command {
         Command::Simulate(arguments) => simulate::command(arguments),
+        Command::Info(arguments) => info::command(arguments),
+        Command::Build(arguments) => build::command(arguments),
     }
 }

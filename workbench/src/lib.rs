@@ -1,12 +1,17 @@
 //! The workbench behind the command `stickslip`: simulating, mapping and examining the rig.
 //!
+//! One module per command: [`simulate`], [`info`], [`build`]; [`cli`] dispatches. They stand on
+//!
+//! - [`component`]: the native model and FMUs of both versions behind one trait;
 //! - [`files`]: CSV records and writing whole or not at all;
 //! - [`analysis`]: spectra, limit cycles and the measures by which two records are compared;
 //! - [`plot`]: pictures as SVG and PNG from one description.
 
 pub mod analysis;
+pub mod build;
 pub mod cli;
 pub mod component;
 pub mod files;
+pub mod info;
 pub mod plot;
 pub mod simulate;

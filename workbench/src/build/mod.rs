@@ -1,0 +1,60 @@
+//! `stickslip build`: packs a model into FMUs.
+
+use std::path::PathBuf;
+
+use build_fmu::build::Source;
+use build_fmu::library;
+use build_fmu::platform::FmiVersion;
+use clap::{Args, ValueEnum};
+
+use crate::cli::Outcome;
+
+/// Packs a model.toml and the prebuilt library into FMUs.
+#[derive(Debug, Args)]
+pub struct BuildArguments {
+    /// Model (.toml).
+    pub model: PathBuf,
+    /// Directory for the FMUs.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Version of the standard; both if not given.
+    #[arg(long, value_enum, value_name = "VERSION")]
+    pub fmi: Option<Version>,
+    /// The library to pack; without it the one beside this program.
+    #[arg(long, value_name = "FILE")]
+    pub library: Option<PathBuf>,
+}
+
+/// Version of the FMI standard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Version {
+    /// FMI 2.0.
+    #[value(name = "2")]
+    Two,
+    /// FMI 3.0.
+    #[value(name = "3")]
+    Three,
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// Whatever is wrong with the model or the library.
+pub fn command(arguments: &BuildArguments) -> anyhow::Result<Outcome> {
+    let source = Source::read(&arguments.model)?;
+    let library = library::find(arguments.library.as_deref())?;
+    let versions = match arguments.fmi {
+        Some(Version::Two) => vec![FmiVersion::Fmi2],
+        Some(Version::Three) => vec![FmiVersion::Fmi3],
+        None => FmiVersion::ALL.to_vec(),
+    };
+    for version in versions {
+        let built = source.build(&library, version, &arguments.out)?;
+        println!(
+            "{} ({} KiB)",
+            built.path.display(),
+            built.size.div_ceil(1024)
+        );
+    }
+    Ok(Outcome::Done)
+}

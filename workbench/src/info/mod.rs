@@ -1,0 +1,187 @@
+//! `stickslip info`: what a model or an FMU is and has.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use stickslip::plant::{ModelFile, Provenance, RigKind};
+
+use crate::cli::Outcome;
+use crate::component::{
+    Archive, Component, Description, FmiVersion, Fmu, Kind, Native, Role, Variable,
+};
+
+/// What a model or an FMU is and has.
+#[derive(Debug, Args)]
+pub struct InfoArguments {
+    /// Model (.toml) or FMU (.fmu); an FMU's binary is not run.
+    pub model: PathBuf,
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// Whatever is wrong with the file.
+pub fn command(arguments: &InfoArguments) -> anyhow::Result<Outcome> {
+    let path = &arguments.model;
+    let text = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("toml") => describe_model(path)?,
+        Some("fmu") => describe_fmu(path)?,
+        _ => bail!(
+            "{}: is neither a model (.toml) nor an FMU (.fmu)",
+            path.display()
+        ),
+    };
+    print!("{text}");
+    Ok(Outcome::Done)
+}
+
+/// Describes a model file: rig, laws, effects, variables, and every parameter with where its number comes from.
+fn describe_model(path: &Path) -> anyhow::Result<String> {
+    let text =
+        fs::read_to_string(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    let name = path.display().to_string();
+    let mut out = format!("{name} ({} bytes)\n\n", text.len());
+    out += &describe_structure(&ModelFile::parse(&text, &name)?);
+    let native = Native::from_text(&text, &name)?;
+    let model = ModelFile::parse(&text, &name)?;
+    out += &describe_variables(native.variables(), &model.provenance);
+    Ok(out)
+}
+
+fn describe_structure(model: &ModelFile) -> String {
+    let rig = &model.rig;
+    let kind = match rig.kind() {
+        RigKind::Reduced => "reduced: motor, gearbox, shaft, disc D2",
+        RigKind::Full => "full: motor, gearbox, shaft, disc D2, second shaft, disc D1",
+    };
+    let effects: Vec<&str> = rig.effects.active().iter().map(|(name, _)| *name).collect();
+    let mut text = format!("rig      {kind}\nlaw      {} (pin on D2)\n", rig.law.name());
+    if let Some(outer) = &rig.outer {
+        let _ = writeln!(text, "law      {} (pin on D1)", outer.law.name());
+    }
+    let _ = writeln!(
+        text,
+        "effects  {}\n",
+        if effects.is_empty() {
+            "none".to_owned()
+        } else {
+            effects.join(", ")
+        }
+    );
+    text
+}
+
+/// Describes an FMU: version, sizes, the model inside if it is one of this project's, and the variables.
+fn describe_fmu(path: &Path) -> anyhow::Result<String> {
+    let size = fs::metadata(path)
+        .with_context(|| format!("{}: cannot be read", path.display()))?
+        .len();
+    let description: Description = Fmu::describe(path)?;
+    let version = match description.version {
+        FmiVersion::Two => "2.0",
+        FmiVersion::Three => "3.0",
+    };
+    let mut out = format!(
+        "{} ({size} bytes)\n\nFMI      {version}, co-simulation\n",
+        path.display()
+    );
+    let _ = writeln!(
+        out,
+        "model    {} (binary {})",
+        description.model_name, description.model_identifier
+    );
+    let _ = writeln!(out, "token    {}", description.token);
+    let _ = writeln!(out, "made by  {}", description.generation_tool);
+    let archive = Archive::unpack(path)?;
+    for (name, size) in files(archive.directory(), "") {
+        let _ = writeln!(out, "file     {size:>9}  {name}");
+    }
+    let mut provenance = BTreeMap::new();
+    let model_file = archive.directory().join("resources/model.toml");
+    if let Ok(text) = fs::read_to_string(&model_file)
+        && let Ok(model) = ModelFile::parse(&text, "resources/model.toml")
+    {
+        out += &describe_structure(&model);
+        provenance = model.provenance;
+    }
+    out.push('\n');
+    out += &describe_variables(&description.variables, &provenance);
+    Ok(out)
+}
+
+/// Files below a directory with their sizes, sorted by name.
+fn files(directory: &Path, prefix: &str) -> Vec<(String, u64)> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
+        let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+        match entry.metadata() {
+            Ok(metadata) if metadata.is_dir() => {
+                found.extend(files(&entry.path(), &format!("{name}/")))
+            }
+            Ok(metadata) => found.push((name, metadata.len())),
+            Err(_) => {}
+        }
+    }
+    found.sort();
+    found
+}
+
+fn describe_variables(variables: &[Variable], provenance: &BTreeMap<String, Provenance>) -> String {
+    let mut text = String::new();
+    let groups = [
+        ("inputs", Role::Input),
+        ("outputs", Role::Output),
+        ("internal quantities", Role::Local),
+        ("parameters", Role::Parameter),
+    ];
+    for (title, role) in groups {
+        let rows: Vec<&Variable> = variables
+            .iter()
+            .filter(|variable| variable.role == role)
+            .collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let _ = writeln!(text, "{title}");
+        let width = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
+        for row in rows {
+            let unit = if row.kind == Kind::Boolean {
+                "true/false"
+            } else {
+                &row.unit
+            };
+            let value = match (row.role, row.start) {
+                (Role::Parameter, Some(value)) => value.to_string(),
+                _ => String::new(),
+            };
+            let source = provenance
+                .get(&row.name)
+                .map(describe_provenance)
+                .unwrap_or_default();
+            let line = format!(
+                "  {:width$}  {value:>12} {unit:<11} {}{source}",
+                row.name, row.description
+            );
+            let _ = writeln!(text, "{}", line.trim_end());
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn describe_provenance(provenance: &Provenance) -> String {
+    let parts: Vec<&str> = [&provenance.status, &provenance.source]
+        .into_iter()
+        .flatten()
+        .map(String::as_str)
+        .collect();
+    if parts.is_empty() {
+        String::new()
+    } else {
+        format!(" [{}]", parts.join(": "))
+    }
+}
