@@ -2,9 +2,9 @@
 
 use std::cell::Cell;
 use std::rc::Rc;
-use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow, bail};
+use cpu_time::ProcessTime;
 use diffsol::{
     NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations,
     OdeSolverMethod, OdeSolverStopReason,
@@ -400,7 +400,7 @@ pub fn sweep(system: &System, effort: Effort) -> Result<Vec<Run>> {
 fn best_of(rig: &Rig, method: Method, tolerance: f64, repetitions: u32) -> Result<(f64, End)> {
     let mut best: Option<(f64, End)> = None;
     for _ in 0..repetitions {
-        let start = Instant::now();
+        let start = ProcessTime::now();
         let end = simulate(rig, method, tolerance)?;
         let seconds = start.elapsed().as_secs_f64();
         if best.as_ref().is_none_or(|b| seconds < b.0) {

@@ -1,13 +1,15 @@
 //! `peers`: our integrator against other solvers, and the cost of the FMU's communication step.
 //!
 //! `peers bench` runs every solver on the same systems in one process tree and writes the
-//! work-precision tables and plot to `docs/`.
+//! work-precision tables and plot to `docs/`. `peers dostep` drives the built library as an importer does.
 
 mod bench;
 mod cvode;
 mod diffsol_rig;
+mod do_step;
 mod effort;
 mod files;
+mod fmu;
 mod measurement;
 mod ours;
 mod plot;
@@ -30,11 +32,14 @@ struct Arguments {
 enum Command {
     /// Run all solvers on all systems; print and write tables and plot.
     Bench(bench::Options),
+    /// Time communication steps of the built library through the C ABI, both FMI versions.
+    Dostep(do_step::Options),
 }
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Bench(options) => bench::run(&options),
+        Command::Dostep(options) => do_step::run(&options),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,

@@ -13,7 +13,7 @@ pub struct Run {
     pub configuration: String,
     /// Relative (and absolute) tolerance asked for.
     pub tolerance: f64,
-    /// Best wall time of the repetitions [s].
+    /// Smallest processor time of the repetitions [s].
     pub seconds: f64,
     /// θ2 at the end [rad].
     pub theta: f64,

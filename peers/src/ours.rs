@@ -1,9 +1,9 @@
 //! Our own integrator on the same systems, through its Rust interface.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use anyhow::Result;
+use cpu_time::ProcessTime;
 use stickslip::integrator::{Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES, index};
 
@@ -72,7 +72,7 @@ fn simulate(
     inputs: RigInputs<f64>,
     options: Options,
 ) -> Result<Run> {
-    let start = Instant::now();
+    let start = ProcessTime::now();
     let mut simulation = Simulation::new(rig, options, 0.0, [0.0; STATES], inputs)?;
     let points = (END_TIME / OUTPUT_STEP).round() as u32;
     for point in 1..=points {

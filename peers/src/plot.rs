@@ -147,7 +147,7 @@ pub fn svg(findings: &Findings) -> String {
     }
     let _ = writeln!(
         svg,
-        r#"<text transform="translate(14 {:.1}) rotate(-90)" text-anchor="middle">wall time of the run [ms]</text>"#,
+        r#"<text transform="translate(14 {:.1}) rotate(-90)" text-anchor="middle">processor time of the run [ms]</text>"#,
         TOP + HEIGHT / 2.0
     );
     let mut x = MARGIN;

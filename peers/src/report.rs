@@ -196,8 +196,8 @@ pub fn page(findings: &Findings, ours: &str) -> String {
     let mut text = String::from(
         "# Benchmarks\n\nMade by `cargo run --release -p peers -- bench`; every number and the plot come from one run of it.\n\n\
          ![Work against precision](work-precision.svg)\n\n\
-         Each run: 60 s from rest, output every 10 ms, best wall time of several repetitions taken inside the solver's own\n\
-         process. The error is that of θ2 at 60 s. A solver's time at an error is that of its fastest set-up, interpolated in\n\
+         Each run: 60 s from rest, output every 10 ms, the smallest processor time of several repetitions, taken inside the\n\
+         solver's own process. The error is that of θ2 at 60 s. A solver's time at an error is that of its fastest set-up, interpolated in\n\
          both logarithms along a sweep over tolerances in which every error is first raised to the largest that a tighter\n\
          tolerance made, so that no lucky hit counts.\n\n",
     );
