@@ -383,13 +383,17 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             step = step.min(tau);
             self.end = End::Fold;
         }
+        let reach = step;
         let mut lost = None;
         for (position, guard) in self.system.guards(&self.jet).iter().enumerate() {
             let mut plain = [0.0; crate::series::TERMS];
             for (p, c) in plain.iter_mut().zip(&guard.series[..=order]) {
                 *p = c.value();
             }
-            if let Some(tau) = loss(&plain[..=order], step, self.departing) {
+            // Of guards that are lost together the first counts: the next segment looks at the others.
+            if let Some(tau) = loss(&plain[..=order], reach, step, self.departing)
+                && (tau < step || lost.is_none())
+            {
                 step = tau;
                 lost = Some(position);
             }
@@ -450,21 +454,22 @@ fn larger(a: f64, b: f64) -> f64 {
     }
 }
 
-/// Local time at which a guard is lost. Right behind a switch (`departing`) a guard may start at
-/// zero: leading coefficients that are only rounding are divided out.
-fn loss(series: &[f64], width: f64, departing: bool) -> Option<f64> {
+/// Local time within `width` at which a guard is lost. Right behind a switch (`departing`) a guard may
+/// start at zero: leading coefficients that are only rounding over the length `reach`, on which the
+/// series is good, are divided out.
+fn loss(series: &[f64], reach: f64, width: f64, departing: bool) -> Option<f64> {
     let mut series = series;
     if departing || series[0] == 0.0 {
         let mut size = 0.0;
         let mut power = 1.0;
         for c in series {
             size += c.abs() * power;
-            power *= width;
+            power *= reach;
         }
         let mut power = 1.0;
         while series.len() > 1 && series[0].abs() * power <= ROUNDING * size {
             series = &series[1..];
-            power *= width;
+            power *= reach;
         }
         if series.len() == 1 && series[0] == 0.0 {
             return None;
