@@ -3,14 +3,9 @@
 //! Nothing here knows the C interfaces; [`crate::ffi`] stands on it.
 
 mod identity;
-mod input_signals;
 mod model;
-mod notice;
 mod open;
 mod rig;
-mod rig_identity;
-mod rig_state;
-mod rig_variables;
 pub mod state;
 #[cfg(test)]
 pub(crate) mod test_model;

@@ -8,6 +8,7 @@
 //! as it was and goes on. *Error* for calls in the wrong state, unknown value references, NULL and
 //! foreign states: the standards then allow reading, restoring a state, resetting and freeing only.
 
+mod derivatives;
 pub mod fmi2;
 pub mod fmi3;
 mod guard;
@@ -22,6 +23,7 @@ mod states;
 mod status;
 #[cfg(test)]
 mod tests;
+mod values;
 
 pub use log::{Fmi2Logger, Fmi3Logger};
 pub use status::Status;

@@ -1,6 +1,9 @@
 //! The built FMUs: against the kept copies of their descriptions and, in a Rust importer, against the native model.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking, like the tests")]
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests fail by panicking, like the tests"
+)]
 
 mod component;
 mod importer;

@@ -4,8 +4,8 @@
 //! communication point, before or after the value, make it a polynomial that goes on beyond the next
 //! point until something new is set. Setting a value at a later point drops the old derivatives.
 
-use super::rig_variables::{CHANNELS, Channel};
-use super::state::{StateError, StateReader, StateWriter};
+use super::variables::{CHANNELS, Channel};
+use crate::cosim::{StateError, StateReader, StateWriter};
 use crate::plant::{INPUT_TERMS, RigInputs};
 
 type Polynomial = [f64; INPUT_TERMS];

@@ -1,7 +1,7 @@
 //! A rig's parameters and the snapshot of its run as bytes.
 
 use super::input_signals::InputSignals;
-use super::state::{StateError, StateReader, StateWriter};
+use crate::cosim::{StateError, StateReader, StateWriter};
 use crate::friction::{ContactMode, Direction, Regime};
 use crate::integrator::{Snapshot, Statistics};
 use crate::plant::{Coupling, Rig, RigInputs, RigMode, RigState, STATES};

@@ -1,6 +1,6 @@
 //! What the XML says of the rigs besides their variables.
 
-use super::identity::{DefaultExperiment, Identity};
+use crate::cosim::{DefaultExperiment, Identity};
 use crate::plant::RigKind;
 
 /// One minute, in steps that show the stick-slip cycle, at the integrator's own tolerance.

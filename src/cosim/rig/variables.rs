@@ -1,6 +1,6 @@
 //! The variable table of a rig.
 
-use super::variables::{
+use crate::cosim::{
     Causality, Initial, TableError, Variability, Variable, VariableTable, VariableType,
 };
 use crate::parameter::Range;
@@ -286,8 +286,8 @@ mod tests {
             .collect()
     }
 
-    const REDUCED: &str = include_str!("../../modelDescription/reduced-rig.toml");
-    const FULL: &str = include_str!("../../modelDescription/full-rig.toml");
+    const REDUCED: &str = include_str!("../../../modelDescription/reduced-rig.toml");
+    const FULL: &str = include_str!("../../../modelDescription/full-rig.toml");
 
     #[test]
     fn outputs_come_in_the_order_that_users_were_promised() {

@@ -1,0 +1,81 @@
+//! Derivatives of a rig's quantities: with respect to time, inputs and parameters.
+
+use super::course::{Run, series};
+use super::input_signals::InputSignals;
+use super::variables::{Channel, Quantity};
+use crate::cosim::ModelError;
+use crate::integrator::HybridSystem;
+use crate::plant::{Rig, RigInputs, RigJet};
+use crate::series::{Dual, Scalar};
+
+/// Derivative of this order of a polynomial at `tau`.
+pub(super) fn time_derivative(coefficients: &[f64], order: usize, tau: f64) -> f64 {
+    (order..coefficients.len()).rev().fold(0.0, |sum, power| {
+        let factor: f64 = (power - order + 1..=power)
+            .map(|factor| factor as f64)
+            .product();
+        sum * tau + factor * coefficients[power]
+    })
+}
+
+/// Partial derivative of `unknown` with respect to `known` at `time` [s], state and mode held: the
+/// equations are expanded once over dual numbers. `None` for an unknown that is neither a state nor
+/// a torque.
+pub(super) fn partial_derivative(
+    run: &Run,
+    rig: &Rig<f64>,
+    signals: &InputSignals,
+    time: f64,
+    unknown: Quantity,
+    known: Quantity,
+) -> Result<Option<f64>, ModelError> {
+    let mut rig = rig.lift::<Dual<1>>();
+    let mut inputs = lift_inputs(&signals.rig_inputs(time));
+    match known {
+        Quantity::Input(channel) => {
+            let value = match channel {
+                Channel::Voltage => &mut inputs.voltage[0],
+                Channel::NormalForce => &mut inputs.normal_force[0],
+                Channel::NormalForce1 => &mut inputs.normal_force_1[0],
+            };
+            *value = Dual::variable(value.value, 0);
+        }
+        Quantity::Parameter(position) => {
+            let value = rig.parameter_at(position).map_or(0.0, Scalar::value);
+            rig.set_parameter_at(position, Dual::variable(value, 0))
+                .map_err(ModelError::from_display)?;
+        }
+        _ => return Err(ModelError("only inputs and parameters can be known".into())),
+    }
+    let mode = run
+        .system()
+        .carry(run.mode(), run.jet(), time - run.segment_start());
+    let state = run.state_at(time).map(Dual::constant);
+    let mut jet = RigJet::new(&rig);
+    rig.expand_motion(&mode, Dual::constant(time), &state, &inputs, 1, &mut jet);
+    let first = series(&rig, &jet, unknown).and_then(|series| series.first());
+    Ok(first.map(|coefficient| coefficient.derivative[0]))
+}
+
+fn lift_inputs(inputs: &RigInputs<f64>) -> RigInputs<Dual<1>> {
+    RigInputs {
+        time: inputs.time,
+        voltage: inputs.voltage.map(Dual::constant),
+        normal_force: inputs.normal_force.map(Dual::constant),
+        normal_force_1: inputs.normal_force_1.map(Dual::constant),
+        ..RigInputs::held(Dual::ZERO, Dual::ZERO, Dual::ZERO)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_of_a_cubic() {
+        let cubic = [1.0, 2.0, 3.0, 4.0];
+        assert_eq!(time_derivative(&cubic, 1, 2.0), 2.0 + 12.0 + 48.0);
+        assert_eq!(time_derivative(&cubic, 2, 2.0), 6.0 + 48.0);
+        assert_eq!(time_derivative(&cubic, 4, 2.0), 0.0);
+    }
+}
