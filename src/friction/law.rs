@@ -2,8 +2,8 @@
 
 use super::two_gaussian::{self, TwoGaussian};
 use super::{
-    Coulomb, CoulombStiction, HARMONICS, Karnopp, RandomFunction, Stribeck, Switch, TwoGaussianMu,
-    TwoGaussianTorque, Wojewoda, stribeck, wojewoda,
+    Coulomb, CoulombStiction, ExponentialCurve, HARMONICS, Karnopp, RandomFunction, Stribeck,
+    Switch, TwoGaussianMu, TwoGaussianTorque, Wojewoda, stribeck, wojewoda,
 };
 use crate::parameter::{ParameterError, ParameterInfo, Section};
 use crate::series::Scalar;
@@ -161,6 +161,21 @@ impl<S: Scalar> Law<S> {
             Self::Switch(law) => (law.omega_tolerance, law.decay_rate),
             _ => (S::ZERO, S::ZERO),
         }
+    }
+
+    /// The law as an exponential curve, if it is one.
+    pub fn exponential_curve(&self) -> Option<ExponentialCurve<S>> {
+        let (mu_c, mu_s, omega_s) = match self {
+            Self::Stribeck(law) => (law.mu_c, law.mu_s, law.omega_s),
+            Self::Karnopp(law) => (law.mu_c, law.mu_s, law.omega_s),
+            Self::Switch(law) => (law.mu_c, law.mu_s, law.omega_s),
+            _ => return None,
+        };
+        Some(ExponentialCurve {
+            mu_c,
+            span: mu_s - mu_c,
+            inverse_omega_s: S::constant(1.0) / omega_s,
+        })
     }
 
     /// Number of series that the recurrences of this law work on.

@@ -25,7 +25,7 @@ pub use karnopp::Karnopp;
 pub use law::{LAW_NAMES, Law};
 pub use random_function::{HARMONICS, RandomFunction};
 pub use slip::{Slip, SlipJet};
-pub use stribeck::Stribeck;
+pub use stribeck::{ExponentialCurve, Stribeck};
 pub use switch::Switch;
 pub use two_gaussian::{TwoGaussian, acceleration_angle};
 pub use two_gaussian_mu::TwoGaussianMu;

@@ -15,6 +15,17 @@ section! {
     }
 }
 
+/// A level μ_c + `span` exp(−ω/ω_s) that depends on the slip speed ω alone.
+#[derive(Clone, Copy, Debug)]
+pub struct ExponentialCurve<S> {
+    /// Level at high speed.
+    pub mu_c: S,
+    /// Excess over `mu_c` at zero speed.
+    pub span: S,
+    /// 1/ω_s [s/rad].
+    pub inverse_omega_s: S,
+}
+
 /// Series that [`coefficient`] works on.
 pub(super) const WORKSPACE: usize = 2;
 

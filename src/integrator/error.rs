@@ -56,6 +56,16 @@ pub enum IntegrationError {
         /// The mode.
         mode: String,
     },
+    /// The order asked for cannot be carried.
+    #[error("order {order} of the Taylor polynomials is outside {lowest} to {highest}")]
+    OrderOutOfRange {
+        /// Order asked for.
+        order: usize,
+        /// Lowest order possible.
+        lowest: usize,
+        /// Highest order possible.
+        highest: usize,
+    },
     /// A time before the current segment was asked for.
     #[error("t = {time} s lies before the present segment, which starts at {start} s")]
     BackInTime {

@@ -2,7 +2,11 @@
 
 use super::step_size::from_last_terms;
 use super::{HybridSystem, IntegrationError, Statistics};
-use crate::series::{Scalar, evaluate, evaluate_derivative, first_loss_of_sign};
+use crate::series::{
+    Scalar, Series, TERMS, evaluate, evaluate_derivative, first_loss_of_sign, lower_bound,
+};
+
+use std::ops::RangeInclusive;
 
 /// Switches at one instant (within [`INSTANT`]) that count as chattering.
 const CHATTERING: u32 = 200;
@@ -11,12 +15,15 @@ const INSTANT: f64 = 1e-10;
 /// Relative size below which a leading coefficient of the guard that was just crossed is rounding.
 const ROUNDING: f64 = 1e-11;
 
+/// Orders that the recurrences can carry: they write one coefficient beyond the last.
+const ORDERS: RangeInclusive<usize> = 4..=TERMS - 2;
+
 /// How a run is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Local error of a segment, absolute for angles (rad), relative to 1 + |x| for the rest.
     pub tolerance: f64,
-    /// Order of the Taylor polynomials, 4 to `TERMS` − 1.
+    /// Order of the Taylor polynomials, 4 to `TERMS` − 2.
     pub order: usize,
     /// Longest segment [s].
     pub longest_step: f64,
@@ -112,6 +119,13 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         state: P::State,
         inputs: P::Inputs,
     ) -> Result<Self, IntegrationError> {
+        if !ORDERS.contains(&options.order) {
+            return Err(IntegrationError::OrderOutOfRange {
+                order: options.order,
+                lowest: *ORDERS.start(),
+                highest: *ORDERS.end(),
+            });
+        }
         let mut jet = system.new_jet();
         let mut state = state;
         let start = S::constant(time);
@@ -274,10 +288,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
     fn state_after(&self, tau: S) -> P::State {
         let mut state = self.state;
         let order = self.options.order;
-        let series = self.system.states(&self.jet);
-        for (value, coefficients) in state.as_mut().iter_mut().zip(series) {
-            *value = evaluate(&coefficients[..=order], tau);
-        }
+        evaluate_all(self.system.states(&self.jet), order, tau, state.as_mut());
         state
     }
 
@@ -386,7 +397,10 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         let reach = step;
         let mut lost = None;
         for (position, guard) in self.system.guards(&self.jet).iter().enumerate() {
-            let mut plain = [0.0; crate::series::TERMS];
+            if lower_bound(&guard.series[..=order], step) > 0.0 && !self.departing {
+                continue;
+            }
+            let mut plain = [0.0; TERMS];
             for (p, c) in plain.iter_mut().zip(&guard.series[..=order]) {
                 *p = c.value();
             }
@@ -441,6 +455,23 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         }
         let tolerance = self.options.tolerance;
         from_last_terms(last / tolerance, before / tolerance, order).min(self.options.longest_step)
+    }
+}
+
+/// Values at `tau` of several polynomials of the same order, computed side by side.
+#[inline]
+fn evaluate_all<S: Scalar>(series: &[Series<S>], order: usize, tau: S, values: &mut [S]) {
+    let (blocks, rest) = series.as_chunks::<5>();
+    let mut left = values;
+    for block in blocks {
+        let Some((now, later)) = left.split_first_chunk_mut::<5>() else {
+            return;
+        };
+        *now = std::array::from_fn(|j| evaluate(&block[j][..=order], tau));
+        left = later;
+    }
+    for (value, series) in left.iter_mut().zip(rest) {
+        *value = evaluate(&series[..=order], tau);
     }
 }
 

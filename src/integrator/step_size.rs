@@ -10,6 +10,15 @@ fn rough_ln(x: f64) -> f64 {
     exponent * std::f64::consts::LN_2 + 2.0 * z * (1.0 + z * z * (1.0 / 3.0 + 0.2 * z * z))
 }
 
+/// Exponential of a number to about 1e-3.
+fn rough_exp(x: f64) -> f64 {
+    let doublings = (x * std::f64::consts::LOG2_E).clamp(-1022.0, 1022.0);
+    let whole = libm::floor(doublings);
+    let z = (doublings - whole) * std::f64::consts::LN_2;
+    let m = 1.0 + z * (1.0 + z * (0.5 + z * (1.0 / 6.0 + z * (1.0 / 24.0))));
+    m * f64::from_bits(((whole as i64 + 1023) as u64) << 52)
+}
+
 /// The longest step at which neither of the last two terms of a series exceeds the tolerance.
 ///
 /// `last` and `before` are the largest |coefficient|/tolerance of orders `order` and `order` − 1.
@@ -24,7 +33,7 @@ pub(super) fn from_last_terms(last: f64, before: f64, order: usize) -> f64 {
     if exponent == f64::INFINITY {
         f64::INFINITY
     } else {
-        libm::exp(exponent)
+        rough_exp(exponent)
     }
 }
 

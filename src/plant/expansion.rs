@@ -6,10 +6,9 @@
 
 use super::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
 use super::inputs::recentre;
-use super::{Contact, Coupling, Rig, RigGuard, RigInputs, RigMode, RigState, STATES};
-use crate::friction::{
-    ContactMode, Direction, HARMONICS, Law, RandomFunction, Regime, Slip, SlipJet,
-};
+use super::linear_parts::LinearParts;
+use super::{Coupling, Rig, RigGuard, RigInputs, RigMode, RigState, STATES};
+use crate::friction::{ContactMode, HARMONICS, Law, RandomFunction, Slip, SlipJet};
 use crate::integrator::Guard;
 use crate::series::{RECIPROCAL, Scalar, Series, TERMS, convolution, cosine_sine};
 
@@ -28,7 +27,10 @@ pub(super) struct PinJet<S> {
     pub slip: SlipJet<S>,
     /// Normal force × radius [N m], or 1 for a law of the torque.
     pub load: Series<S>,
+    /// Whether only order 0 of `load` differs from zero.
     pub load_is_constant: bool,
+    /// j × coefficient j of −(slip speed)/(Stribeck velocity), and the exponential of that series.
+    pub curve: [Series<S>; 2],
     /// Friction torque on the disc, signed.
     pub torque: Series<S>,
     /// Breakaway torque, ≥ 0.
@@ -49,6 +51,7 @@ impl<S: Scalar> PinJet<S> {
             slip: SlipJet::new(law),
             load: zero,
             load_is_constant: true,
+            curve: [zero; 2],
             torque: zero,
             breakaway: zero,
             resisting: zero,
@@ -67,6 +70,8 @@ pub struct RigJet<S> {
     pub(super) motor_torque: Series<S>,
     pub(super) twist: Series<S>,
     pub(super) voltage: Series<S>,
+    voltage_is_constant: bool,
+    pub(super) parts: LinearParts<S>,
     pub(super) effects: Option<Box<EffectJet<S>>>,
     pub(super) guards: Vec<Guard<S, RigGuard>>,
     pub(super) order: usize,
@@ -124,6 +129,8 @@ impl<S: Scalar> RigJet<S> {
             motor_torque: zero,
             twist: zero,
             voltage: zero,
+            voltage_is_constant: true,
+            parts: LinearParts::new(rig),
             effects,
             guards: Vec::new(),
             order: 0,
@@ -169,20 +176,35 @@ impl<S: Scalar> Rig<S> {
             series[0] = value;
         }
         let offset = time - inputs.time;
-        recentre(&inputs.voltage, offset, &mut jet.voltage);
+        jet.voltage_is_constant = recentre(
+            &inputs.voltage,
+            offset,
+            jet.voltage_is_constant,
+            &mut jet.voltage,
+        );
         let varying = self.effects.normal_force_wobble.is_some()
             || self.effects.position_friction.is_some()
             || self.effects.stochastic_friction.is_some();
         jet.disc.load_is_constant = self.start_load(inputs, time, offset, jet) && !varying;
         if let (Some(outer), Some(pin)) = (&self.outer, &mut jet.disc1) {
-            let constant = recentre(&inputs.normal_force_1, offset, &mut pin.load);
+            let constant = recentre(
+                &inputs.normal_force_1,
+                offset,
+                pin.load_is_constant,
+                &mut pin.load,
+            );
             pin.moving[0] = lift_off(&mut pin.load, constant, 0.0);
-            scale(&mut pin.load, outer.contact.radius);
+            scale(&mut pin.load, constant, outer.contact.radius);
             pin.load_is_constant = constant || outer.law.is_torque();
             if outer.law.is_torque() {
                 pin.load = [S::ZERO; TERMS];
                 pin.load[0] = S::constant(1.0);
             }
+        }
+        if jet.effects.is_none() {
+            self.expand_plain(mode, inputs, order, jet);
+            self.set_guards(mode, jet);
+            return;
         }
         let bodies = Bodies::new(self, mode, inputs);
         jet.disc.constant_torque = bodies.disc_slip.constant_torque;
@@ -201,7 +223,12 @@ impl<S: Scalar> Rig<S> {
             pin.load = [S::ZERO; TERMS];
             pin.load[0] = S::constant(1.0);
         } else {
-            constant = recentre(&inputs.normal_force, offset, &mut pin.load);
+            constant = recentre(
+                &inputs.normal_force,
+                offset,
+                pin.load_is_constant,
+                &mut pin.load,
+            );
             if let Some(bias) = &self.effects.load_cell_bias {
                 // A lifted pin reads zero whatever the offset is.
                 if !constant || pin.load[0].value() != 0.0 {
@@ -217,7 +244,7 @@ impl<S: Scalar> Rig<S> {
                 }
                 _ => pin.moving[0] = lift_off(&mut pin.load, constant, 0.0),
             }
-            scale(&mut pin.load, self.contact.radius);
+            scale(&mut pin.load, constant, self.contact.radius);
         }
         if let Some(wear) = &self.effects.friction_wear {
             let rate = wear.rate_per_minute * (1.0 / MINUTE);
@@ -240,6 +267,12 @@ impl<S: Scalar> Rig<S> {
 /// Makes a force (or a factor of it) that is not above `threshold` vanish: a pin cannot pull. Gives
 /// what has to be watched if it is not constant.
 fn lift_off<S: Scalar>(force: &mut Series<S>, constant: bool, threshold: f64) -> Option<Series<S>> {
+    if constant {
+        if force[0].value() <= threshold + ROUNDING_OF_FORCE {
+            force[0] = S::ZERO;
+        }
+        return None;
+    }
     let mut watched = *force;
     watched[0] = watched[0] + -threshold;
     if watched[0].value().abs() <= ROUNDING_OF_FORCE {
@@ -251,11 +284,12 @@ fn lift_off<S: Scalar>(force: &mut Series<S>, constant: bool, threshold: f64) ->
     if next.is_none_or(|c| c < 0.0) {
         *force = [S::ZERO; TERMS];
     }
-    (!constant).then_some(watched)
+    Some(watched)
 }
 
-fn scale<S: Scalar>(series: &mut Series<S>, factor: S) {
-    for c in series.iter_mut() {
+fn scale<S: Scalar>(series: &mut Series<S>, constant: bool, factor: S) {
+    let used = if constant { 1 } else { TERMS };
+    for c in series.iter_mut().take(used) {
         *c = *c * factor;
     }
 }
@@ -303,13 +337,14 @@ struct Bodies<'a, S> {
     disturbances: [S; 2],
 }
 
-struct SlipTemplate<'a, S> {
-    law: &'a Law<S>,
-    inertia: S,
-    inverse_inertia: S,
-    constant_torque: S,
-    near: f64,
-    folded: bool,
+/// What does not change in the course of a segment of one pin contact.
+pub(super) struct SlipTemplate<'a, S> {
+    pub law: &'a Law<S>,
+    pub inertia: S,
+    pub inverse_inertia: S,
+    pub constant_torque: S,
+    pub near: f64,
+    pub folded: bool,
 }
 
 impl<'a, S: Scalar> Bodies<'a, S> {
@@ -640,7 +675,7 @@ fn random_coefficient<S: Scalar>(random: &RandomFunction, k: usize, time: S) -> 
 /// Order `k` of one pin contact; returns the coefficient of its disc's acceleration.
 #[allow(clippy::too_many_arguments)]
 #[inline]
-fn contact_order<S: Scalar>(
+pub(super) fn contact_order<S: Scalar>(
     k: usize,
     mode: ContactMode,
     resisting: S,
@@ -697,215 +732,4 @@ fn breakaway_order<S: Scalar>(
         S::ZERO
     };
     pin.breakaway[k] = pin.load[k] * level + constant;
-}
-
-impl<S: Scalar> Rig<S> {
-    /// Collects the guards of `mode` from the series just computed.
-    fn set_guards(&self, mode: &RigMode, jet: &mut RigJet<S>) {
-        let RigJet {
-            states,
-            disc,
-            disc1,
-            motor_torque,
-            twist,
-            guards,
-            order,
-            ..
-        } = jet;
-        let order = *order;
-        guards.clear();
-        pin_guards(
-            Contact::Disc,
-            mode.disc,
-            &self.law,
-            &states[OMEGA],
-            disc,
-            mode.near[0],
-            order,
-            guards,
-        );
-        if let (Some(outer), Some(pin)) = (&self.outer, disc1.as_ref()) {
-            pin_guards(
-                Contact::Disc1,
-                mode.disc1,
-                &outer.law,
-                &states[OMEGA1],
-                pin,
-                mode.near[1],
-                order,
-                guards,
-            );
-        }
-        match mode.motor {
-            ContactMode::Stuck => {
-                let limit = self.gearbox.ratio * self.motor.coulomb_torque;
-                for direction in [Direction::Forward, Direction::Backward] {
-                    let sign = direction.sign();
-                    push(
-                        guards,
-                        RigGuard::Breakaway(Contact::Motor, direction),
-                        order,
-                        |k| {
-                            let held = motor_torque[k] * -sign;
-                            if k == 0 { limit + held } else { held }
-                        },
-                    );
-                }
-            }
-            ContactMode::Breaking(direction) | ContactMode::Slipping(direction, _) => {
-                let sign = direction.sign();
-                push(guards, RigGuard::Rest(Contact::Motor), order, |k| {
-                    states[OMEGA3][k] * sign
-                });
-            }
-        }
-        if let Some(backlash) = &self.effects.backlash {
-            let half = backlash.gap * 0.5;
-            let distance = |sign: f64, inward: f64| {
-                move |k: usize, twist: &Series<S>| {
-                    let value = twist[k] * sign;
-                    let value = if k == 0 { value - half } else { value };
-                    value * inward
-                }
-            };
-            match mode.coupling {
-                Coupling::Ahead => {
-                    let f = distance(1.0, 1.0);
-                    push(guards, RigGuard::Play(Coupling::Free), order, |k| {
-                        f(k, twist)
-                    });
-                }
-                Coupling::Behind => {
-                    let f = distance(-1.0, 1.0);
-                    push(guards, RigGuard::Play(Coupling::Free), order, |k| {
-                        f(k, twist)
-                    });
-                }
-                Coupling::Free => {
-                    let f = distance(1.0, -1.0);
-                    push(guards, RigGuard::Play(Coupling::Ahead), order, |k| {
-                        f(k, twist)
-                    });
-                    let f = distance(-1.0, -1.0);
-                    push(guards, RigGuard::Play(Coupling::Behind), order, |k| {
-                        f(k, twist)
-                    });
-                }
-            }
-        }
-    }
-}
-
-#[inline]
-fn push<S: Scalar>(
-    guards: &mut Vec<Guard<S, RigGuard>>,
-    kind: RigGuard,
-    order: usize,
-    coefficient: impl Fn(usize) -> S,
-) {
-    let mut series = [S::ZERO; TERMS];
-    for (k, c) in series.iter_mut().enumerate().take(order + 1) {
-        *c = coefficient(k);
-    }
-    guards.push(Guard { kind, series });
-}
-
-#[allow(clippy::too_many_arguments)]
-fn pin_guards<S: Scalar>(
-    contact: Contact,
-    mode: ContactMode,
-    law: &Law<S>,
-    omega: &Series<S>,
-    pin: &PinJet<S>,
-    near: f64,
-    order: usize,
-    guards: &mut Vec<Guard<S, RigGuard>>,
-) {
-    let (band, _) = law.band();
-    let at_zero = |k: usize, value: S| if k == 0 { value } else { S::ZERO };
-    for moving in pin.moving.iter().flatten() {
-        let next = moving.iter().map(|c| c.value()).find(|c| *c != 0.0);
-        let sign = if next.is_some_and(|c| c < 0.0) {
-            -1.0
-        } else {
-            1.0
-        };
-        push(guards, RigGuard::Load(contact), order, |k| moving[k] * sign);
-    }
-    match mode {
-        ContactMode::Stuck => {
-            for direction in [Direction::Forward, Direction::Backward] {
-                let sign = direction.sign();
-                push(
-                    guards,
-                    RigGuard::Breakaway(contact, direction),
-                    order,
-                    |k| pin.breakaway[k] + pin.resisting[k] * sign,
-                );
-            }
-        }
-        ContactMode::Breaking(direction) => {
-            let sign = direction.sign();
-            push(
-                guards,
-                RigGuard::LeaveBand(contact, direction),
-                order,
-                |k| at_zero(k, band) - omega[k] * sign,
-            );
-            push(guards, RigGuard::Calm(contact), order, |k| {
-                -(pin.resisting[k] * sign) - pin.breakaway[k]
-            });
-        }
-        ContactMode::Slipping(_, regime) => {
-            push(guards, RigGuard::Rest(contact), order, |k| {
-                pin.slip.speed[k] - at_zero(k, band)
-            });
-            if !law.has_branches() {
-                return;
-            }
-            let speeding_up = match regime {
-                Regime::SpeedingUp => Some(true),
-                Regime::SlowingDown => Some(false),
-                Regime::Free => Some(!near.is_sign_negative()),
-                Regime::Holding => None,
-            };
-            if let Some(up) = speeding_up {
-                let earlier = if up {
-                    Direction::Forward
-                } else {
-                    Direction::Backward
-                };
-                let kind = RigGuard::Turn(contact, earlier);
-                if pin.slip.between {
-                    push(guards, kind, order, |k| at_zero(k, S::constant(-1.0)));
-                } else {
-                    push(guards, kind, order, |k| {
-                        pin.slip.acceleration[k] * earlier.sign()
-                    });
-                }
-                return;
-            }
-            // While the speed is held the reaction lies between the two branches.
-            let branch = |k: usize, level: &Series<S>| convolution(&pin.load[..=k], &level[..=k]);
-            push(
-                guards,
-                RigGuard::Release(contact, Direction::Forward),
-                order,
-                |k| {
-                    branch(k, &pin.slip.level) + at_zero(k, pin.constant_torque)
-                        - pin.slip.torque[k]
-                },
-            );
-            push(
-                guards,
-                RigGuard::Release(contact, Direction::Backward),
-                order,
-                |k| {
-                    pin.slip.torque[k]
-                        - branch(k, &pin.slip.lower_level)
-                        - at_zero(k, pin.constant_torque)
-                },
-            );
-        }
-    }
 }

@@ -40,13 +40,21 @@ impl<S: Scalar> RigInputs<S> {
 }
 
 /// Coefficients of an input about `offset` after its own centre, and whether it is constant.
+///
+/// `was_constant` tells that all but the first coefficient in `series` are zero already.
+#[inline]
 pub(super) fn recentre<S: Scalar>(
     input: &[S; INPUT_TERMS],
     offset: S,
+    was_constant: bool,
     series: &mut Series<S>,
 ) -> bool {
     let mut c = *input;
     let constant = c[1..].iter().all(|x| x.value() == 0.0);
+    if constant && was_constant {
+        series[0] = c[0];
+        return true;
+    }
     if !constant {
         for first in 0..INPUT_TERMS {
             for k in (first..INPUT_TERMS - 1).rev() {

@@ -6,9 +6,12 @@
 
 mod effects;
 mod expansion;
+mod guards;
 mod inputs;
+mod linear_parts;
 mod mode;
 mod model_file;
+mod plain_motion;
 mod rig;
 mod sections;
 mod switching;

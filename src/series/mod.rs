@@ -10,7 +10,8 @@ mod scalar;
 
 pub use dual::Dual;
 pub use power_series::{
-    RECIPROCAL, Series, TERMS, convolution, cosine_sine, evaluate, evaluate_derivative, exponential,
+    RECIPROCAL, Series, TERMS, convolution, cosine_sine, evaluate, evaluate_derivative,
+    exponential, lower_bound,
 };
 pub use root::first_loss_of_sign;
 pub use scalar::Scalar;

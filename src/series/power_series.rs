@@ -61,14 +61,39 @@ pub fn cosine_sine<S: Scalar>(
     (c, s)
 }
 
-/// Value of the polynomial with these coefficients at `tau`.
+/// Value of the polynomial with these coefficients at `tau`: even and odd powers side by side, as
+/// one chain of Horner's scheme waits on itself.
 #[inline(always)]
 pub fn evaluate<S: Scalar>(coefficients: &[S], tau: S) -> S {
-    let mut sum = S::ZERO;
-    for &c in coefficients.iter().rev() {
-        sum = sum * tau + c;
+    let square = tau * tau;
+    let (mut even, mut odd) = (S::ZERO, S::ZERO);
+    let pairs = coefficients.chunks_exact(2);
+    if let [last] = pairs.remainder() {
+        even = *last;
     }
-    sum
+    for pair in pairs.rev() {
+        even = even * square + pair[0];
+        odd = odd * square + pair[1];
+    }
+    even + odd * tau
+}
+
+/// A lower bound on \[0, `width`\] of the polynomial with these coefficients: the value that it
+/// takes at `width` without its positive terms of order 1 and above.
+#[inline(always)]
+pub fn lower_bound<S: Scalar>(coefficients: &[S], width: f64) -> f64 {
+    let square = width * width;
+    let (mut even, mut odd) = (0.0, 0.0);
+    let pairs = coefficients.chunks_exact(2);
+    if let [last] = pairs.remainder() {
+        even = last.value().min(0.0);
+    }
+    for pair in pairs.rev() {
+        even = even * square + pair[0].value().min(0.0);
+        odd = odd * square + pair[1].value().min(0.0);
+    }
+    let start = coefficients.first().map_or(0.0, |c| c.value().max(0.0));
+    start + even + odd * width
 }
 
 /// First derivative of the polynomial with these coefficients at `tau`.

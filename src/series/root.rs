@@ -1,7 +1,7 @@
 //! The first instant at which a polynomial loses its sign.
 
 use super::TERMS;
-use super::power_series::{evaluate, evaluate_derivative};
+use super::power_series::evaluate_derivative;
 
 /// Bisections after which an interval counts as a point.
 const DEPTH: u32 = 48;
@@ -57,6 +57,11 @@ fn search(p: &[f64], width: f64, depth: u32) -> Option<f64> {
         return Some(half);
     }
     search(shifted, half, depth - 1).map(|root| half + root)
+}
+
+/// Value by Horner's scheme in one chain: next to a root its rounding errors are the smallest.
+fn evaluate(p: &[f64], tau: f64) -> f64 {
+    p.iter().rev().fold(0.0, |sum, c| sum * tau + c)
 }
 
 /// Newton's method kept inside a bracket on which the polynomial decreases through zero.
