@@ -5,6 +5,7 @@ use clap::{Parser, Subcommand};
 use crate::build::{self, BuildArguments};
 use crate::info::{self, InfoArguments};
 use crate::simulate::{self, SimulateArguments};
+use crate::experiment::{self, command::ExperimentArguments};
 
 /// What a command came to; the process' exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +34,8 @@ pub enum Command {
     Info(InfoArguments),
     /// Pack a model into FMUs.
     Build(BuildArguments),
+    /// The dissertation's computations, with the published numbers beside ours.
+    Experiment(ExperimentArguments),
 }
 
 /// Runs the command that was given.
@@ -44,5 +47,6 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Simulate(arguments) => simulate::command(arguments),
         Command::Info(arguments) => info::command(arguments),
         Command::Build(arguments) => build::command(arguments),
+        Command::Experiment(arguments) => experiment::command::run(arguments),
     }
 }

@@ -13,5 +13,7 @@ pub mod cli;
 pub mod component;
 pub mod files;
 pub mod info;
+pub mod experiment;
+pub mod oscillator;
 pub mod plot;
 pub mod simulate;
