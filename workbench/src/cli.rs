@@ -6,6 +6,7 @@ use crate::build::{self, BuildArguments};
 use crate::info::{self, InfoArguments};
 use crate::simulate::{self, SimulateArguments};
 use crate::experiment::{self, command::ExperimentArguments};
+use crate::identify::{self, command::IdentifyArguments};
 
 /// What a command came to; the process' exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,6 +37,8 @@ pub enum Command {
     Build(BuildArguments),
     /// The dissertation's computations, with the published numbers beside ours.
     Experiment(ExperimentArguments),
+    /// Stiffness, damping and frequencies from a user's own tests.
+    Identify(IdentifyArguments),
 }
 
 /// Runs the command that was given.
@@ -48,5 +51,6 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Info(arguments) => info::command(arguments),
         Command::Build(arguments) => build::command(arguments),
         Command::Experiment(arguments) => experiment::command::run(arguments),
+        Command::Identify(arguments) => identify::command::run(arguments),
     }
 }

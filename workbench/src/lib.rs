@@ -17,3 +17,5 @@ pub mod experiment;
 pub mod oscillator;
 pub mod plot;
 pub mod simulate;
+pub mod identify;
+pub mod random;

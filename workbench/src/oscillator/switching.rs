@@ -163,7 +163,7 @@ impl HybridSystem<f64> for Oscillator {
         None
     }
 
-    fn leave_fold(&self, mode: &ContactMode) -> ContactMode {
+    fn leave_fold(&self, mode: &ContactMode, _jet: &OscillatorJet) -> ContactMode {
         *mode
     }
 

@@ -199,6 +199,7 @@ impl Oscillator {
                     load: &UNIT_LOAD,
                     load_is_constant: true,
                     near: 0.0,
+                    folded: false,
                 };
                 jet.slip.speed[k] = jet.slip_velocity[k] * sign;
                 contact.expand_order(k, resisting * sign, &jet.states[0], &mut jet.slip);

@@ -1,0 +1,211 @@
+//! `stickslip identify static | decay | spectrum FILE.csv`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::{Args, Subcommand};
+
+use super::{decay, static_test};
+use crate::analysis::spectrum::Spectrum;
+use crate::cli::Outcome;
+use crate::files::record::Record;
+
+/// Arguments of `identify`.
+#[derive(Debug, Args)]
+pub struct IdentifyArguments {
+    #[command(subcommand)]
+    test: Test,
+}
+
+#[derive(Debug, Subcommand)]
+enum Test {
+    /// Stiffness from known torques and measured twists (columns `torque` [N m] and `twist` [rad]).
+    Static {
+        /// The CSV file.
+        file: PathBuf,
+    },
+    /// Frequency, damping and stiffness from a free decay (columns `time` [s] and the one named).
+    Decay {
+        /// The CSV file.
+        file: PathBuf,
+        /// The column with the displacement [rad].
+        #[arg(long)]
+        column: String,
+        /// Swings smaller than this are left out [rad].
+        #[arg(long)]
+        smallest: f64,
+        /// Inertia of the body that swings [kg m²]; with it stiffness and damping are given.
+        #[arg(long)]
+        inertia: Option<f64>,
+    },
+    /// The strongest peaks of the amplitude spectrum (columns `time` [s] and the one named).
+    Spectrum {
+        /// The CSV file.
+        file: PathBuf,
+        /// The column.
+        #[arg(long)]
+        column: String,
+        /// Number of peaks.
+        #[arg(long, default_value_t = 3)]
+        peaks: usize,
+        /// Lowest frequency of a peak [Hz].
+        #[arg(long, default_value_t = 0.05)]
+        lowest: f64,
+    },
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// A file that cannot be read or says too little.
+pub fn run(arguments: &IdentifyArguments) -> anyhow::Result<Outcome> {
+    match &arguments.test {
+        Test::Static { file } => print_static(file)?,
+        Test::Decay {
+            file,
+            column,
+            smallest,
+            inertia,
+        } => print_decay(file, column, *smallest, *inertia)?,
+        Test::Spectrum {
+            file,
+            column,
+            peaks,
+            lowest,
+        } => print_spectrum(file, column, *peaks, *lowest)?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn print_static(file: &Path) -> anyhow::Result<()> {
+    let (torque, twist) = read_static(file)?;
+    let test = static_test::evaluate(&torque, &twist).with_context(|| {
+        format!("{}: a static test needs at least three points with different twists, none of them zero", file.display())
+    })?;
+    println!("stiffness [N m/rad], value ± standard error");
+    println!(
+        "  mean of torque/twist     {:.5} ± {:.5} (standard deviation {:.5})",
+        test.mean_ratio.value, test.mean_ratio.error, test.deviation
+    );
+    println!(
+        "  line through the origin  {:.5} ± {:.5}",
+        test.proportional.value, test.proportional.error
+    );
+    println!(
+        "  line with an offset      {:.5} ± {:.5}",
+        test.affine.value, test.affine.error
+    );
+    println!(
+        "  its torque at no twist   {:.5} ± {:.5} N m",
+        test.offset.value, test.offset.error
+    );
+    Ok(())
+}
+
+fn read_static(file: &Path) -> anyhow::Result<(Vec<f64>, Vec<f64>)> {
+    let name = file.display();
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {name}"))?;
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines
+        .next()
+        .unwrap_or("")
+        .split(',')
+        .map(str::trim)
+        .collect();
+    let place = |wanted: &str| {
+        header.iter().position(|column| *column == wanted).with_context(|| {
+            format!("{name}: line 1: no column `{wanted}`; a static test has the columns torque [N m] and twist [rad]")
+        })
+    };
+    let (torque_at, twist_at) = (place("torque")?, place("twist")?);
+    let (mut torque, mut twist) = (Vec::new(), Vec::new());
+    for (index, line) in lines
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty())
+    {
+        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        let number = |at: usize| -> anyhow::Result<f64> {
+            let cell = cells.get(at).copied().unwrap_or("");
+            match cell.parse::<f64>() {
+                Ok(value) if value.is_finite() => Ok(value),
+                _ => bail!(
+                    "{name}: line {}: {} is `{cell}`, not a finite number",
+                    index + 2,
+                    header[at]
+                ),
+            }
+        };
+        torque.push(number(torque_at)?);
+        twist.push(number(twist_at)?);
+    }
+    Ok((torque, twist))
+}
+
+fn print_decay(
+    file: &Path,
+    column: &str,
+    smallest: f64,
+    inertia: Option<f64>,
+) -> anyhow::Result<()> {
+    if smallest.is_nan() || smallest <= 0.0 {
+        bail!("--smallest is {smallest}; it must be positive, for example ten encoder steps");
+    }
+    let record = Record::read(file)?;
+    let found =
+        decay::evaluate(record.time(), record.require(column)?, smallest).with_context(|| {
+            format!(
+                "{}: column {column} shows fewer than four swings above {smallest}",
+                file.display()
+            )
+        })?;
+    println!(
+        "damped frequency       {:.5} ± {:.5} rad/s",
+        found.damped_frequency.value, found.damped_frequency.error
+    );
+    println!(
+        "natural frequency      {:.5} rad/s = {:.5} Hz",
+        found.natural_frequency,
+        found.natural_frequency / std::f64::consts::TAU
+    );
+    println!(
+        "logarithmic decrement  {:.5} ± {:.5}",
+        found.decrement.value, found.decrement.error
+    );
+    println!("damping ratio          {:.5}", found.damping_ratio);
+    println!("extremes used          {}", found.extremes.len());
+    if let Some(inertia) = inertia {
+        if inertia.is_nan() || inertia <= 0.0 {
+            bail!("--inertia is {inertia}; it must be positive");
+        }
+        println!(
+            "stiffness              {:.5} N m/rad",
+            found.stiffness(inertia)
+        );
+        println!(
+            "damping                {:.6} N m s/rad",
+            found.damping(inertia)
+        );
+    }
+    Ok(())
+}
+
+fn print_spectrum(file: &Path, column: &str, peaks: usize, lowest: f64) -> anyhow::Result<()> {
+    let record = Record::read(file)?;
+    let step = record.median_step();
+    if let Some(gap) = record.gaps().first() {
+        bail!(
+            "{}: the sampling has a hole: {gap:?}; a spectrum needs even samples",
+            file.display()
+        );
+    }
+    let spectrum = Spectrum::new(record.require(column)?, step)
+        .with_context(|| format!("{}: fewer than eight samples", file.display()))?;
+    println!(
+        "frequency [Hz]  amplitude (resolution {:.5} Hz)",
+        spectrum.frequency[1]
+    );
+    for peak in spectrum.peaks(peaks, lowest) {
+        println!("{:>14.5}  {:.5}", peak.frequency, peak.amplitude);
+    }
+    Ok(())
+}
