@@ -3,10 +3,10 @@
 use clap::{Parser, Subcommand};
 
 use crate::build::{self, BuildArguments};
-use crate::info::{self, InfoArguments};
-use crate::simulate::{self, SimulateArguments};
 use crate::experiment::{self, command::ExperimentArguments};
 use crate::identify::{self, command::IdentifyArguments};
+use crate::info::{self, InfoArguments};
+use crate::simulate::{self, SimulateArguments};
 
 /// What a command came to; the process' exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

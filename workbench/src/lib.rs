@@ -1,6 +1,6 @@
 //! The workbench behind the command `stickslip`: simulating, mapping and examining the rig.
 //!
-//! One module per command: [`simulate`], [`info`], [`build`]; [`cli`] dispatches. They stand on
+//! One module per command: [`simulate`], [`info`], [`build`], [`experiment`], [`identify`]; [`cli`] dispatches. They stand on
 //!
 //! - [`component`]: the native model and FMUs of both versions behind one trait;
 //! - [`files`]: CSV records and writing whole or not at all;
@@ -11,11 +11,11 @@ pub mod analysis;
 pub mod build;
 pub mod cli;
 pub mod component;
-pub mod files;
-pub mod info;
 pub mod experiment;
+pub mod files;
+pub mod identify;
+pub mod info;
 pub mod oscillator;
 pub mod plot;
-pub mod simulate;
-pub mod identify;
 pub mod random;
+pub mod simulate;
