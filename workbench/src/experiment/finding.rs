@@ -21,7 +21,7 @@ pub enum ExperimentError {
     Parameter(#[from] ParameterError),
     /// The built-in model file is refused.
     #[error(transparent)]
-    Model(#[from] ModelFileError),
+    Model(#[from] Box<ModelFileError>),
     /// An oscillator that cannot be.
     #[error(transparent)]
     Oscillator(#[from] OscillatorError),
@@ -34,6 +34,12 @@ pub enum ExperimentError {
     /// What was to be measured is not there, for example a limit cycle where the run stands still.
     #[error("nothing to measure: {0}")]
     Nothing(String),
+}
+
+impl From<ModelFileError> for ExperimentError {
+    fn from(error: ModelFileError) -> Self {
+        Self::Model(Box::new(error))
+    }
 }
 
 /// How a published statement fares.
