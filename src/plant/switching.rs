@@ -146,8 +146,8 @@ impl<S: Scalar> Rig<S> {
         let can_speed_up = reaction > upper;
         let can_slow_down = reaction < lower;
         match (earlier, can_speed_up, can_slow_down) {
-            (Some(Direction::Backward), true, _) | (None, true, _) => speed_up(mode),
-            (_, _, true) => slow_down(mode),
+            (Some(Direction::Backward) | None, true, _) => speed_up(mode),
+            (Some(Direction::Forward) | None, _, true) => slow_down(mode),
             _ => mode.set_contact(contact, ContactMode::Slipping(direction, Regime::Holding)),
         }
     }
