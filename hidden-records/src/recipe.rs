@@ -246,8 +246,8 @@ impl Effect {
             }
             Self::ViscousDrag => hidden.visc = 0.008 * scale,
             Self::BreathingInertia => {
-                hidden.breathing_J = scale * stream.uniform(0.15, 0.3);
-                hidden.breathing_period = stream.uniform(5.0, 15.0);
+                hidden.breathing_J = scale * stream.uniform(0.25, 0.4);
+                hidden.breathing_period = stream.uniform(3.0, 8.0);
                 hidden.breathing_ph = stream.uniform(0.0, TAU);
             }
             Self::DynamicAbsorber => {
@@ -269,7 +269,7 @@ impl Effect {
                 hidden.softening = scale * stream.uniform(0.2, 0.35);
                 hidden.softening_tau = stream.uniform(10.0, 25.0);
             }
-            Self::TorqueSaturation => hidden.saturation_i = stream.uniform(1.75, 2.1) / scale,
+            Self::TorqueSaturation => hidden.saturation_i = stream.uniform(1.45, 1.7) / scale,
         }
     }
 }
