@@ -5,7 +5,7 @@
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::ptr;
 
 use thiserror::Error;
@@ -21,8 +21,8 @@ pub struct Expectation<'a> {
     pub model_identifier: &'a str,
     /// `guid` (FMI 2) or `instantiationToken` (FMI 3) of the model description.
     pub token: &'a str,
-    /// Content of `resources/model.toml`.
-    pub model_toml: &'a str,
+    /// Files below `resources/` by their relative name.
+    pub resources: &'a [(String, Vec<u8>)],
 }
 
 /// Why a library must not be packed.
@@ -167,9 +167,24 @@ fn unpack(
         .join(expectation.model_identifier)
         .with_extension(library.platform.library_extension());
     fs::write(&file, &library.content).map_err(copy_error(&file))?;
-    let model = resources.join("model.toml");
-    fs::write(&model, expectation.model_toml).map_err(copy_error(&model))?;
+    for (name, content) in expectation.resources {
+        let Some(place) = below(&resources, name) else {
+            continue;
+        };
+        if let Some(parent) = place.parent() {
+            fs::create_dir_all(parent).map_err(copy_error(parent))?;
+        }
+        fs::write(&place, content).map_err(copy_error(&place))?;
+    }
     Ok(file)
+}
+
+/// The place of a relative name inside a folder; `None` for a name that leads out of it.
+fn below(folder: &Path, name: &str) -> Option<PathBuf> {
+    let plain = Path::new(name)
+        .components()
+        .all(|part| matches!(part, Component::Normal(_)));
+    (plain && !name.contains('\\')).then(|| folder.join(name))
 }
 
 fn check_symbols(
@@ -426,7 +441,7 @@ mod tests {
         Expectation {
             model_identifier: "ReducedRig",
             token: "{x}",
-            model_toml: "",
+            resources: &[],
         }
     }
 

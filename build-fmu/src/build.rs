@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use stickslip::cosim::{self, CoSimulationModel, ModelError};
+use stickslip::cosim::{self, CoSimulationModel, MODEL_FILE, ModelError};
 use thiserror::Error;
 
 use crate::archive::{ArchiveError, write_atomically};
@@ -142,10 +142,11 @@ impl Source {
     /// [`BuildError::Archive`] if the archive cannot be made.
     pub fn to_bytes(&self, library: &Library, version: FmiVersion) -> Result<Vec<u8>, BuildError> {
         let facts = self.facts();
+        let resources = [(MODEL_FILE.to_owned(), self.text.clone().into_bytes())];
         let expectation = Expectation {
             model_identifier: facts.identity.model_identifier,
             token: facts.token,
-            model_toml: &self.text,
+            resources: &resources,
         };
         binary_check::check(library, version, &expectation)?;
         Ok(contents(&facts, version, library, &self.text, &self.parsed)?.to_bytes()?)

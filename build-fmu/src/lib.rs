@@ -2,7 +2,7 @@
 //!
 //! The order of things: [`model_description`] writes the XML from the one variable table,
 //! [`binary_check`] loads the library and makes it accept the model, [`contents`] lays out the
-//! folders, [`archive`] zips them reproducibly, [`build`] does all of it.
+//! folders, [`archive`] zips them reproducibly, [`build`] does all of it. [`lint`] checks any FMU.
 
 pub mod archive;
 pub mod binary_check;
@@ -11,6 +11,7 @@ pub mod contents;
 pub mod documentation;
 pub mod icon;
 pub mod library;
+pub mod lint;
 pub mod model_description;
 pub mod platform;
 pub mod symbols;

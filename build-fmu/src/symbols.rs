@@ -10,6 +10,65 @@ pub fn required(version: FmiVersion) -> &'static [&'static str] {
     }
 }
 
+/// Names of the functions that an FMU with these interfaces (`CoSimulation` …) must export; a foreign library
+/// may leave out those of other interfaces.
+pub fn required_by(version: FmiVersion, interfaces: &[&str]) -> Vec<&'static str> {
+    let belongs = |name: &str| {
+        let home = OF_ONE_INTERFACE
+            .iter()
+            .find(|(_, names)| names.contains(&&name[4..]));
+        home.is_none_or(|(interface, _)| interfaces.contains(interface))
+    };
+    required(version)
+        .iter()
+        .copied()
+        .filter(|name| belongs(name))
+        .collect()
+}
+
+/// Functions, without their prefix, that only one interface calls.
+const OF_ONE_INTERFACE: [(&str, &[&str]); 3] = [
+    (
+        "ModelExchange",
+        &[
+            "InstantiateModelExchange",
+            "NewDiscreteStates",
+            "EnterContinuousTimeMode",
+            "CompletedIntegratorStep",
+            "SetTime",
+            "SetContinuousStates",
+            "GetDerivatives",
+            "GetContinuousStateDerivatives",
+            "GetEventIndicators",
+            "GetContinuousStates",
+            "GetNominalsOfContinuousStates",
+            "GetNumberOfEventIndicators",
+            "GetNumberOfContinuousStates",
+        ],
+    ),
+    (
+        "CoSimulation",
+        &[
+            "InstantiateCoSimulation",
+            "DoStep",
+            "CancelStep",
+            "SetRealInputDerivatives",
+            "GetRealOutputDerivatives",
+            "GetOutputDerivatives",
+            "GetStatus",
+            "GetRealStatus",
+            "GetIntegerStatus",
+            "GetBooleanStatus",
+            "GetStringStatus",
+            "EnterStepMode",
+        ],
+    ),
+    (
+        "ScheduledExecution",
+        &["InstantiateScheduledExecution", "ActivateModelPartition"],
+    ),
+];
+
 /// `fmi2Functions.h`, in alphabetical order.
 const FMI2: [&str; 44] = [
     "fmi2CancelStep",

@@ -159,3 +159,9 @@ def test_foreign_library_is_refused(tmp_path):
     assert result.returncode == 2
     assert "fmi2Instantiate" in result.stderr and "lacks" in result.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_check_finds_nothing_in_our_fmus(fmus):
+    result = subprocess.run([PROGRAMS / "build-fmu", "check", *fmus.values()], capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout
+    assert result.stdout.count("nothing found") == len(fmus)

@@ -1,4 +1,4 @@
-//! `build-fmu`: packs a `model.toml` and the prebuilt library into FMUs.
+//! `build-fmu`: packs a `model.toml` and the prebuilt library into FMUs, and checks FMUs.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -7,8 +7,9 @@ use anyhow::Context;
 use build_fmu::archive::write_atomically;
 use build_fmu::build::Source;
 use build_fmu::library;
+use build_fmu::lint::{self, Loading, Package};
 use build_fmu::platform::FmiVersion;
-use clap::{Parser, ValueEnum};
+use clap::{Parser, Subcommand, ValueEnum};
 
 /// Exit code for wrong usage or input; 1 is kept for checks that say no.
 const INPUT_ERROR: u8 = 2;
@@ -18,13 +19,20 @@ const INPUT_ERROR: u8 = 2;
 #[command(
     name = "build-fmu",
     version,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
     after_help = "Example:\n  build-fmu modelDescription/reduced-rig.toml --out out\n\
                   writes out/ReducedRig.fmi2.fmu and out/ReducedRig.fmi3.fmu.\n\
+                  build-fmu check out/ReducedRig.fmi2.fmu\n\
+                  finds in any FMU what validators miss.\n\
                   Needs neither cargo nor a compiler: the library lies beside this program."
 )]
 struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
     /// The model: parts, friction law and effects of the rig with their numbers.
-    model: PathBuf,
+    #[arg(required = true)]
+    model: Option<PathBuf>,
     /// Folder for the FMUs; made if it is missing.
     #[arg(long, value_name = "DIR", required_unless_present_any = ["print_xml", "write_xml"])]
     out: Option<PathBuf>,
@@ -40,6 +48,21 @@ struct Arguments {
     /// Write MODEL.fmi2.xml and MODEL.fmi3.xml into a folder instead of building FMUs.
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
     write_xml: Option<PathBuf>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Find what validators miss in any FMU; exit code 1 if there is anything.
+    #[command(after_help = "Example:\n  build-fmu check --no-load Foreign.fmu\n\
+                            looks at the files without running the FMU's code.")]
+    Check {
+        /// The FMUs.
+        #[arg(required = true)]
+        fmus: Vec<PathBuf>,
+        /// Do not load the library: loading runs the FMU's code.
+        #[arg(long)]
+        no_load: bool,
+    },
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -60,8 +83,14 @@ impl From<Version> for FmiVersion {
 }
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
+    let arguments = Arguments::parse();
+    let outcome = match &arguments.command {
+        Some(Command::Check { fmus, no_load }) => check(fmus, *no_load),
+        None => build(&arguments).map(|()| true),
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
         Err(error) => {
             eprintln!("build-fmu: {error:#}");
             ExitCode::from(INPUT_ERROR)
@@ -69,8 +98,31 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let source = Source::read(&arguments.model)?;
+/// Checks FMUs; whether nothing was found.
+fn check(fmus: &[PathBuf], no_load: bool) -> anyhow::Result<bool> {
+    let loading = if no_load {
+        Loading::FilesOnly
+    } else {
+        Loading::Load
+    };
+    let mut clean = true;
+    for path in fmus {
+        let findings = lint::check(&Package::open(path)?, loading);
+        clean &= findings.is_empty();
+        match findings.len() {
+            0 => println!("{}: nothing found", path.display()),
+            count => println!("{}: {count} found", path.display()),
+        }
+        for finding in findings {
+            println!("  {finding}");
+        }
+    }
+    Ok(clean)
+}
+
+fn build(arguments: &Arguments) -> anyhow::Result<()> {
+    let model = arguments.model.as_deref().context("name a model.toml")?;
+    let source = Source::read(model)?;
     let versions = match arguments.fmi {
         Some(version) => vec![FmiVersion::from(version)],
         None => FmiVersion::ALL.to_vec(),

@@ -1,4 +1,5 @@
-//! The built FMUs: against the kept copies of their descriptions and, in a Rust importer, against the native model.
+//! The built FMUs: against the kept copies of their descriptions and, in a Rust importer, against the native
+//! model; spoiled, in the check.
 
 #![allow(
     clippy::unwrap_used,
@@ -8,3 +9,4 @@
 mod component;
 mod importer;
 mod kept_copies;
+mod mutations;

@@ -1,0 +1,488 @@
+//! `build-fmu check` finds each of these planted defects, and nothing in what `build-fmu` makes.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{Cursor, Read, Write};
+use std::path::Path;
+
+use build_fmu::lint::{self, Loading, OpenError, Package, Rule};
+use build_fmu::platform::FmiVersion;
+use zip::write::SimpleFileOptions;
+use zip::{ZipArchive, ZipWriter};
+
+use crate::component::build;
+
+type Files = BTreeMap<String, Vec<u8>>;
+
+const DESCRIPTION: &str = "modelDescription.xml";
+const LIBRARY: [&str; 2] = [
+    "binaries/linux64/ReducedRig.so",
+    "binaries/x86_64-linux/ReducedRig.so",
+];
+
+/// A way to spoil the good FMU.
+enum Defect {
+    /// Replaces text in the model description, which must be there.
+    Replace(&'static str, &'static str),
+    /// Changes the files.
+    Files(fn(&mut Files, library: &str)),
+    /// Changes the archive's bytes.
+    Bytes(fn(&mut Vec<u8>)),
+}
+
+use Defect::{Bytes, Files as Change, Replace};
+
+const BOTH: &[(&str, Rule, Defect)] = &[
+    (
+        "backslash",
+        Rule::EntryName,
+        Change(|files, _| add(files, "extra\\a.txt")),
+    ),
+    (
+        "way out",
+        Rule::EntryName,
+        Change(|files, _| add(files, "../a.txt")),
+    ),
+    (
+        "absolute path",
+        Rule::EntryName,
+        Change(|files, _| add(files, "/a.txt")),
+    ),
+    (
+        "case twin",
+        Rule::DuplicateEntry,
+        Change(|files, _| add(files, "MODELDESCRIPTION.XML")),
+    ),
+    (
+        "newer zip",
+        Rule::ZipVersion,
+        Bytes(|bytes| patch(bytes, 6, 45)),
+    ),
+    (
+        "encrypted",
+        Rule::Encrypted,
+        Bytes(|bytes| patch(bytes, 8, 1)),
+    ),
+    (
+        "odd compression",
+        Rule::Compression,
+        Bytes(|bytes| patch(bytes, 10, 12)),
+    ),
+    (
+        "damaged",
+        Rule::Damaged,
+        Bytes(|bytes| patch(bytes, 16, 0x1234)),
+    ),
+    (
+        "link",
+        Rule::NotAFile,
+        Bytes(|bytes| patch(bytes, 40, 0o120_777)),
+    ),
+    (
+        "no description",
+        Rule::Description,
+        Change(|files, _| drop(files.remove(DESCRIPTION))),
+    ),
+    (
+        "one folder down",
+        Rule::Description,
+        Change(|files, _| {
+            let text = files.remove(DESCRIPTION).unwrap();
+            files.insert(format!("ReducedRig/{DESCRIPTION}"), text);
+        }),
+    ),
+    (
+        "entities",
+        Rule::Description,
+        Replace(
+            "<fmiModelDescription",
+            "<!DOCTYPE a [<!ENTITY b \"c\">]><fmiModelDescription",
+        ),
+    ),
+    (
+        "cut off",
+        Rule::Description,
+        Replace("</fmiModelDescription>", ""),
+    ),
+    (
+        "two of a name",
+        Rule::DuplicateVariable,
+        Replace("name=\"theta_dot\"", "name=\"theta\""),
+    ),
+    (
+        "continuous parameter",
+        Rule::Role,
+        Replace("variability=\"tunable\"", "variability=\"continuous\""),
+    ),
+    (
+        "input without start",
+        Rule::Role,
+        Replace(" start=\"0\"", ""),
+    ),
+    (
+        "start below min",
+        Rule::Limits,
+        Replace("start=\"0.33\"", "start=\"-0.33\""),
+    ),
+    (
+        "start is no number",
+        Rule::Limits,
+        Replace("start=\"0.33\"", "start=\"0,33\""),
+    ),
+    (
+        "min above max",
+        Rule::Limits,
+        Replace("start=\"0.33\"", "max=\"-1\" start=\"0.33\""),
+    ),
+    (
+        "unit twice",
+        Rule::Unit,
+        Replace("<Unit name=\"V\">", "<Unit name=\"N\">"),
+    ),
+    (
+        "unit undefined",
+        Rule::Unit,
+        Replace("<Unit name=\"V\">", "<Unit name=\"Volt\">"),
+    ),
+    (
+        "display unit undefined",
+        Rule::Unit,
+        Replace("<DisplayUnit name=\"rpm\"", "<DisplayUnit name=\"1/min\""),
+    ),
+    (
+        "type undefined",
+        Rule::Type,
+        Replace("declaredType=\"Voltage\"", "declaredType=\"Tension\""),
+    ),
+    (
+        "date is none",
+        Rule::Date,
+        Replace(
+            "generationTool=",
+            "generationDateAndTime=\"31.01.2026\" generationTool=",
+        ),
+    ),
+    (
+        "date to come",
+        Rule::Date,
+        Replace(
+            "generationTool=",
+            "generationDateAndTime=\"2999-01-31T00:00:00Z\" generationTool=",
+        ),
+    ),
+    (
+        "ends before its start",
+        Rule::Experiment,
+        Replace("stopTime=\"60\"", "stopTime=\"-60\""),
+    ),
+    (
+        "step of zero",
+        Rule::Experiment,
+        Replace("stepSize=\"0.01\"", "stepSize=\"0\""),
+    ),
+    (
+        "no library",
+        Rule::Binary,
+        Change(|files, library| drop(files.remove(library))),
+    ),
+    (
+        "unknown platform",
+        Rule::Binary,
+        Change(|files, library| {
+            let content = files.remove(library).unwrap();
+            files.insert("binaries/amiga/ReducedRig.so".to_owned(), content);
+        }),
+    ),
+    (
+        "other name",
+        Rule::BinaryName,
+        Change(|files, library| {
+            let content = files.remove(library).unwrap();
+            files.insert(library.replace("ReducedRig", "libstickslip"), content);
+        }),
+    ),
+    (
+        "other identifier",
+        Rule::BinaryName,
+        Replace(
+            "modelIdentifier=\"ReducedRig\"",
+            "modelIdentifier=\"OtherRig\"",
+        ),
+    ),
+    (
+        "text as a library",
+        Rule::BinaryPlatform,
+        Change(|files, library| {
+            files.insert(library.to_owned(), b"no library".to_vec());
+        }),
+    ),
+    (
+        "changed resource",
+        Rule::Instantiation,
+        Change(|files, _| {
+            files
+                .get_mut("resources/model.toml")
+                .unwrap()
+                .extend(b"\n# changed\n");
+        }),
+    ),
+    (
+        "no resource",
+        Rule::Instantiation,
+        Change(|files, _| drop(files.remove("resources/model.toml"))),
+    ),
+];
+
+const FMI2: &[(&str, Rule, Defect)] = &[
+    (
+        "older standard",
+        Rule::FmiVersion,
+        Replace("fmiVersion=\"2.0\"", "fmiVersion=\"1.0\""),
+    ),
+    (
+        "empty token",
+        Rule::Missing,
+        Replace("guid=\"{", "guid=\"\" copyright=\"{"),
+    ),
+    (
+        "other token",
+        Rule::Instantiation,
+        Replace("guid=\"{", "guid=\"{0"),
+    ),
+    (
+        "output not listed",
+        Rule::Structure,
+        Replace("<Unknown index=\"4\"", "<Unknown index=\"5\""),
+    ),
+    (
+        "dependency on nothing",
+        Rule::Structure,
+        Replace("dependencies=\"3\"", "dependencies=\"300\""),
+    ),
+    (
+        "no source file",
+        Rule::ListedFile,
+        Replace(
+            "providesDirectionalDerivative=\"true\"/>",
+            "providesDirectionalDerivative=\"true\"><SourceFiles><File name=\"all.c\"/></SourceFiles></CoSimulation>",
+        ),
+    ),
+    (
+        "wrong machine",
+        Rule::BinaryPlatform,
+        Change(|files, library| {
+            let content = files[library].clone();
+            files.insert("binaries/win64/ReducedRig.dll".to_owned(), content);
+        }),
+    ),
+    (
+        "missing function",
+        Rule::Symbols,
+        Change(|files, library| {
+            rename_symbol(
+                files.get_mut(library).unwrap(),
+                b"\0fmi2CancelStep\0",
+                b"\0fmi2CancelStop\0",
+            );
+        }),
+    ),
+];
+
+const FMI3: &[(&str, Rule, Defect)] = &[
+    (
+        "shared reference",
+        Rule::DuplicateVariable,
+        Replace("valueReference=\"4\"", "valueReference=\"3\""),
+    ),
+    (
+        "empty token",
+        Rule::Missing,
+        Replace(
+            "instantiationToken=\"{",
+            "instantiationToken=\"\" copyright=\"{",
+        ),
+    ),
+    (
+        "other token",
+        Rule::Instantiation,
+        Replace("instantiationToken=\"{", "instantiationToken=\"{0"),
+    ),
+    (
+        "output not listed",
+        Rule::Structure,
+        Replace(
+            "<Output valueReference=\"3\"",
+            "<Output valueReference=\"4\"",
+        ),
+    ),
+    (
+        "no icon",
+        Rule::ListedFile,
+        Change(|files, _| drop(files.remove("terminalsAndIcons/icon.png"))),
+    ),
+    (
+        "terminal of nothing",
+        Rule::ListedFile,
+        Change(|files, _| {
+            let file = files
+                .get_mut("terminalsAndIcons/terminalsAndIcons.xml")
+                .unwrap();
+            let text = String::from_utf8(file.clone()).unwrap();
+            *file = text.replace("\"T_f\"", "\"T_g\"").into_bytes();
+        }),
+    ),
+    (
+        "missing source",
+        Rule::ListedFile,
+        Change(|files, _| {
+            let text = "<fmiBuildDescription fmiVersion=\"3.0\"><BuildConfiguration modelIdentifier=\"ReducedRig\">\
+            <SourceFileSet><SourceFile name=\"all.c\"/></SourceFileSet></BuildConfiguration></fmiBuildDescription>";
+            files.insert("sources/buildDescription.xml".to_owned(), text.into());
+        }),
+    ),
+    (
+        "missing function",
+        Rule::Symbols,
+        Change(|files, library| {
+            rename_symbol(
+                files.get_mut(library).unwrap(),
+                b"\0fmi3SetClock\0",
+                b"\0fmi3SetClick\0",
+            );
+        }),
+    ),
+];
+
+fn add(files: &mut Files, name: &str) {
+    files.insert(name.to_owned(), b"text".to_vec());
+}
+
+/// Overwrites the lower half of a field of the first entry of the central directory.
+fn patch(bytes: &mut [u8], offset: usize, value: u16) {
+    let at = bytes
+        .windows(4)
+        .position(|window| window == b"PK\x01\x02")
+        .unwrap();
+    bytes[at + offset..at + offset + 2].copy_from_slice(&value.to_le_bytes());
+}
+
+fn rename_symbol(library: &mut [u8], from: &[u8], to: &[u8]) {
+    let places: Vec<usize> = (0..library.len() - from.len())
+        .filter(|at| library[*at..].starts_with(from))
+        .collect();
+    assert!(!places.is_empty());
+    for at in places {
+        library[at..at + to.len()].copy_from_slice(to);
+    }
+}
+
+fn unpack(path: &Path) -> Files {
+    let mut archive = ZipArchive::new(fs::File::open(path).unwrap()).unwrap();
+    let names: Vec<String> = archive
+        .file_names()
+        .map(|name| name.unwrap().into_owned())
+        .collect();
+    names
+        .into_iter()
+        .map(|name| {
+            let mut content = Vec::new();
+            archive
+                .by_name(&name)
+                .unwrap()
+                .read_to_end(&mut content)
+                .unwrap();
+            (name, content)
+        })
+        .collect()
+}
+
+fn pack(files: &Files, level: i64) -> Vec<u8> {
+    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, content) in files {
+        let options = SimpleFileOptions::default()
+            .unix_permissions(0o644)
+            .compression_level(Some(level));
+        writer.start_file(name.as_str(), options).unwrap();
+        writer.write_all(content).unwrap();
+    }
+    writer.finish().unwrap().into_inner()
+}
+
+fn spoil(good: &Files, defect: &Defect, library: &str) -> Vec<u8> {
+    let mut files = good.clone();
+    match defect {
+        Replace(from, to) => {
+            let text = String::from_utf8(files[DESCRIPTION].clone()).unwrap();
+            assert!(text.contains(from), "{from} is not in the description");
+            files.insert(
+                DESCRIPTION.to_owned(),
+                text.replacen(from, to, 1).into_bytes(),
+            );
+        }
+        Change(change) => change(&mut files, library),
+        Bytes(_) => {}
+    }
+    let mut bytes = pack(&files, 1);
+    if let Bytes(change) = defect {
+        change(&mut bytes);
+    }
+    bytes
+}
+
+fn every_defect_is_found(version: FmiVersion, own: &[(&str, Rule, Defect)]) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = build("reduced-rig.toml", version, folder.path());
+    assert_eq!(
+        lint::check(&Package::open(&path).unwrap(), Loading::Load),
+        []
+    );
+    let good = unpack(&path);
+    let spoiled = folder.path().join("Spoiled.fmu");
+    fs::write(&spoiled, pack(&good, 1)).unwrap();
+    assert_eq!(
+        lint::check(&Package::open(&spoiled).unwrap(), Loading::Load),
+        []
+    );
+    let library = LIBRARY[usize::from(version == FmiVersion::Fmi3)];
+    for (name, rule, defect) in BOTH.iter().chain(own) {
+        fs::write(&spoiled, spoil(&good, defect, library)).unwrap();
+        let findings = lint::check(&Package::open(&spoiled).unwrap(), Loading::Load);
+        assert!(
+            findings.iter().any(|finding| finding.rule == *rule),
+            "{version}, {name}: {rule:?} expected, found {findings:?}"
+        );
+    }
+}
+
+#[test]
+fn every_defect_of_an_fmi2_fmu_is_found() {
+    every_defect_is_found(FmiVersion::Fmi2, FMI2);
+}
+
+#[test]
+fn every_defect_of_an_fmi3_fmu_is_found() {
+    every_defect_is_found(FmiVersion::Fmi3, FMI3);
+}
+
+#[test]
+fn an_archive_that_explodes_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("Bomb.fmu");
+    let files = Files::from([("resources/zeros".to_owned(), vec![0; 64 << 20])]);
+    fs::write(&path, pack(&files, 9)).unwrap();
+    let error = Package::open(&path).unwrap_err();
+    assert!(matches!(error, OpenError::Bomb { .. }), "{error}");
+    assert!(error.to_string().contains("resources/zeros"), "{error}");
+}
+
+#[test]
+fn a_file_that_is_no_archive_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("Notes.fmu");
+    fs::write(&path, "notes").unwrap();
+    let error = Package::open(&path).unwrap_err();
+    assert!(
+        error.to_string().contains("Notes.fmu is not a zip archive"),
+        "{error}"
+    );
+}
