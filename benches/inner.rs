@@ -1,0 +1,168 @@
+//! Inner parts of the integrator, each alone: expansion of one segment per friction law, location of
+//! an event, reading the dense output.
+
+#![allow(
+    clippy::expect_used,
+    reason = "a benchmark that cannot start has nothing to report"
+)]
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use stickslip::integrator::{HybridSystem, Options, Simulation};
+use stickslip::plant::{Rig, RigInputs, STATES};
+use stickslip::series::first_loss_of_sign;
+
+/// Reference speed [rad/s] and normal force [N] of all runs.
+const SPEED: f64 = 5.76;
+const NORMAL_FORCE: f64 = 50.0;
+
+const MACHINE: &str = "
+[disc]
+inertia = 0.0149
+[shaft]
+stiffness = 0.3482
+damping = 0.0022
+[gearbox]
+ratio = 8.0
+[motor]
+inertia = 5.18e-5
+resistance = 0.33
+inductance = 8.437e-4
+torque_constant = 0.126
+back_emf_constant = 0.0602
+coulomb_torque = 0.1196
+viscous_damping = 1.784e-4
+[contact]
+radius = 0.075
+";
+
+/// Name and numbers of every law.
+const LAWS: [(&str, &str); 8] = [
+    ("coulomb", "mu_c = 0.12"),
+    ("coulomb_stiction", "mu_c = 0.12\nmu_s = 0.2"),
+    ("stribeck", "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2"),
+    (
+        "karnopp",
+        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nomega_tolerance = 1e-3",
+    ),
+    (
+        "switch",
+        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nomega_tolerance = 1e-3\ndecay_rate = 50.0",
+    ),
+    (
+        "wojewoda",
+        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nstochastic_amplitude = 0.02\ncorrelation_angle = 0.1\nseed = 1",
+    ),
+    (
+        "two_gaussian_torque",
+        "a1 = 1.0168\nb1 = -3.07246\nc1 = 1.28946\na2 = 0.69626\nb2 = 0.4796\nc2 = 2.62303\n\
+         omega_centre = 7.15956\nacceleration_semi_axis = 58.2873",
+    ),
+    (
+        "two_gaussian_mu",
+        "a1 = 0.27115\nb1 = -3.07246\nc1 = 1.28946\na2 = 0.18567\nb2 = 0.4796\nc2 = 2.62303\n\
+         omega_centre = 7.15956\nacceleration_semi_axis = 58.2873",
+    ),
+];
+
+type Run = Simulation<f64, Rig<f64>>;
+
+/// A state in which disc and motor turn forward: angles [rad], speeds [rad/s], current [A].
+const SLIPPING: [f64; STATES] = [0.0, 5.0, 1.3, 5.76, 1.4, 0.0, 0.0, 0.0];
+
+fn start(law: &str, numbers: &str, state: [f64; STATES]) -> Run {
+    let text = format!("{MACHINE}law = \"{law}\"\n{numbers}\n");
+    let rig = Rig::from_toml(&text, law).expect("the model is valid");
+    let inputs = RigInputs::held(rig.voltage_for_speed(SPEED), NORMAL_FORCE, 0.0);
+    Simulation::new(rig, Options::default(), 0.0, state, inputs).expect("the run starts")
+}
+
+/// A run from rest, up to 10 s and then to the next segment that `wanted` accepts.
+fn run_to(law: &str, numbers: &str, wanted: impl Fn(&Run) -> bool) -> Run {
+    let mut run = start(law, numbers, [0.0; STATES]);
+    run.advance_to(10.0).expect("the run goes on");
+    while !wanted(&run) {
+        run.next_segment().expect("the run goes on");
+    }
+    run
+}
+
+/// Whether the disc slips well away from zero throughout the segment.
+fn slips(run: &Run) -> bool {
+    run.component_at(stickslip::plant::index::OMEGA, run.segment_start()) > 1.0
+        && run.pending_switch().is_none()
+}
+
+fn expansion(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("expand one segment");
+    let order = Options::default().order;
+    for (law, numbers) in LAWS {
+        let run = start(law, numbers, SLIPPING);
+        let (rig, mode, time) = (*run.system(), *run.mode(), run.segment_start());
+        let (state, inputs) = (run.state_at(time), *run.inputs());
+        let mut jet = rig.new_jet();
+        group.bench_function(law, |bencher| {
+            bencher.iter(|| {
+                rig.expand(
+                    black_box(&mode),
+                    time,
+                    black_box(&state),
+                    &inputs,
+                    order,
+                    &mut jet,
+                );
+                black_box(&jet);
+            });
+        });
+    }
+    group.finish();
+}
+
+fn events(criterion: &mut Criterion) {
+    let (law, numbers) = LAWS[2];
+    let order = Options::default().order;
+    let mut group = criterion.benchmark_group("first loss of sign");
+    for (name, run) in [
+        (
+            "switch in the segment",
+            run_to(law, numbers, |run| run.pending_switch().is_some()),
+        ),
+        ("no switch in the segment", run_to(law, numbers, slips)),
+    ] {
+        let width = Options::default()
+            .longest_step
+            .min(1.01 * (run.segment_end() - run.segment_start()));
+        let guards: Vec<Vec<f64>> = run
+            .system()
+            .guards(run.jet())
+            .iter()
+            .map(|guard| guard.series[..=order].to_vec())
+            .collect();
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                for series in &guards {
+                    black_box(first_loss_of_sign(black_box(series), width));
+                }
+            });
+        });
+    }
+    group.finish();
+}
+
+fn dense_output(criterion: &mut Criterion) {
+    let (law, numbers) = LAWS[2];
+    let run = run_to(law, numbers, slips);
+    let middle = 0.5 * (run.segment_start() + run.segment_end());
+    let mut group = criterion.benchmark_group("dense output");
+    group.bench_function("whole state", |bencher| {
+        bencher.iter(|| run.state_at(black_box(middle)))
+    });
+    group.bench_function("one component", |bencher| {
+        bencher.iter(|| run.component_at(0, black_box(middle)))
+    });
+    group.finish();
+}
+
+criterion_group!(inner, expansion, events, dense_output);
+criterion_main!(inner);
