@@ -3,9 +3,11 @@
 //! One file for each section of a chapter; an experiment is a function from nothing to [`Findings`].
 
 mod chapter3;
+mod chapter4;
 pub mod command;
 mod document;
 mod finding;
+pub mod virtual_rig;
 
 pub use finding::{ExperimentError, Findings, Picture, Row, Table, Verdict, short};
 
@@ -23,5 +25,5 @@ pub struct Experiment {
 /// All experiments, in the dissertation's order.
 #[must_use]
 pub fn all() -> Vec<Experiment> {
-    [chapter3::EXPERIMENTS].concat()
+    [chapter3::EXPERIMENTS, chapter4::EXPERIMENTS].concat()
 }

@@ -123,7 +123,7 @@ fn vertex(time: &[f64], values: &[f64], centre: f64) -> Option<(f64, f64)> {
     let [c0, c1, c2] = super::local_polynomial::quadratic(&shifted, values)?;
     let at = -c1 / (2.0 * c2);
     let bound = shifted.last()?.abs();
-    (at.abs() <= bound).then(|| (centre + at, c0 + 0.5 * c1 * at))
+    (at.abs() <= bound).then_some((centre + at, c0 + 0.5 * c1 * at))
 }
 
 #[cfg(test)]
