@@ -261,7 +261,9 @@ impl LoopFunction {
                 let tiny = 1e-12 * self.law.acceleration_semi_axis;
                 return (next.abs() <= tiny && near.abs() <= tiny).then_some(near);
             }
-            if (next - a).abs() <= 4.0 * f64::EPSILON * (1e-3 + next.abs()) {
+            // Close to a fold the root is known no better than the rounding of F allows.
+            let rounding = 2.0 * f64::EPSILON * self.inertia * self.reach() / slope;
+            if (next - a).abs() <= 4.0 * f64::EPSILON * (1e-3 + next.abs()) + rounding {
                 return Some(next);
             }
             a = next;
@@ -297,7 +299,7 @@ impl LoopFunction {
         let (mut earlier, mut left_behind) = (near, false);
         for j in 1..=CELLS {
             let fraction = j as f64 / CELLS as f64;
-            let here = near + direction * reach * fraction * fraction;
+            let here = near + direction * (step + reach * fraction * fraction);
             let ahead = self.value_and_slope(here).0 * direction;
             if ahead < 0.0 {
                 left_behind = true;

@@ -391,8 +391,13 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         }
         self.end = End::Step;
         if let Some(tau) = self.system.fold(&self.jet) {
-            step = step.min(tau);
-            self.end = End::Fold;
+            if tau <= step {
+                step = tau;
+                self.end = End::Fold;
+            } else {
+                // The series does not converge beyond; which root comes next must stay certain.
+                step = step.min(0.5 * tau);
+            }
         }
         let reach = step;
         let mut lost = None;

@@ -5,10 +5,10 @@ use super::index::{OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3
 use super::{Contact, Coupling, Rig, RigGuard, RigInputs, RigJet, RigMode, RigState};
 use crate::friction::{ContactMode, Direction, Law, Regime};
 use crate::integrator::{Guard, HybridSystem};
-use crate::series::{Scalar, Series, evaluate};
+use crate::series::{Scalar, Series, TERMS, evaluate, first_vertical_tangent};
 
-/// Margin 1 + (∂T/∂a)/J below which the algebraic loop is about to fold.
-const FOLD_MARGIN: f64 = 1e-4;
+/// Margin 1 + (∂T/∂a)/J below which the algebraic loop may be about to fold.
+const FOLD_MARGIN: f64 = 0.5;
 
 impl<S: Scalar> Rig<S> {
     fn law_of(&self, contact: Contact) -> Option<&Law<S>> {
@@ -151,6 +151,21 @@ impl<S: Scalar> Rig<S> {
             _ => mode.set_contact(contact, ContactMode::Slipping(direction, Regime::Holding)),
         }
     }
+}
+
+/// Local times at which the loops of D2 and D1 fold, as far as they do soon.
+fn folds<S: Scalar>(jet: &RigJet<S>) -> [Option<f64>; 2] {
+    let fold = |pin: &PinJet<S>| {
+        if pin.slip.margin >= FOLD_MARGIN {
+            return None;
+        }
+        let mut plain = [0.0; TERMS];
+        for (p, c) in plain.iter_mut().zip(&pin.slip.acceleration[..=jet.order]) {
+            *p = c.value();
+        }
+        first_vertical_tangent(&plain[..=jet.order])
+    };
+    [fold(&jet.disc), jet.disc1.as_ref().and_then(fold)]
 }
 
 /// Evaluates only the value of a series.
@@ -330,25 +345,13 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
     }
 
     fn fold(&self, jet: &RigJet<S>) -> Option<f64> {
-        let pins = [Some(&jet.disc), jet.disc1.as_ref()];
-        for pin in pins.into_iter().flatten() {
-            if pin.slip.margin < FOLD_MARGIN {
-                // Near a fold a(t) = a_f + c √(t_f − t), so that t_f − t = a'/(2 a'').
-                let (first, second) = (
-                    pin.slip.acceleration[1].value(),
-                    pin.slip.acceleration[2].value(),
-                );
-                let distance = first / (4.0 * second);
-                return Some(if distance > 0.0 { distance } else { 0.0 });
-            }
-        }
-        None
+        folds(jet).into_iter().flatten().reduce(f64::min)
     }
 
     fn leave_fold(&self, mode: &RigMode, jet: &RigJet<S>) -> RigMode {
-        let at_fold = |pin: &PinJet<S>| pin.slip.margin < FOLD_MARGIN;
+        let [disc, disc1] = folds(jet).map(|time| time.unwrap_or(f64::INFINITY));
         let mut mode = *mode;
-        mode.folded = [at_fold(&jet.disc), jet.disc1.as_ref().is_some_and(at_fold)];
+        mode.folded = [disc <= disc1, disc1 < disc];
         mode
     }
 

@@ -7,6 +7,7 @@ mod dual;
 mod power_series;
 mod root;
 mod scalar;
+mod vertical_tangent;
 
 pub use dual::Dual;
 pub use power_series::{
@@ -15,3 +16,4 @@ pub use power_series::{
 };
 pub use root::first_loss_of_sign;
 pub use scalar::Scalar;
+pub use vertical_tangent::first_vertical_tangent;
