@@ -122,10 +122,10 @@ fn held_disc_and_its_breakaway_follow_the_closed_form() {
     }
     let mut run = common::start(&rig, 1e-13, start, RigInputs::held(voltage, 50.0, 0.0)).unwrap();
     let breakaway = loop {
-        if let Some(event) = run.pending_switch() {
-            if matches!(event.guard, Some(RigGuard::Breakaway(Contact::Disc, _))) {
-                break event.time;
-            }
+        if let Some(event) = run.pending_switch()
+            && matches!(event.guard, Some(RigGuard::Breakaway(Contact::Disc, _)))
+        {
+            break event.time;
         }
         let middle = 0.5 * (run.segment_start() + run.segment_end());
         let exact = propagate(&a, &b, &start, middle);

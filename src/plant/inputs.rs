@@ -58,7 +58,7 @@ pub(super) fn recentre<S: Scalar>(
     if !constant {
         for first in 0..INPUT_TERMS {
             for k in (first..INPUT_TERMS - 1).rev() {
-                c[k] = c[k] + offset * c[k + 1];
+                c[k] += offset * c[k + 1];
             }
         }
     }

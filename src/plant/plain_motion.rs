@@ -182,15 +182,13 @@ impl<S: Scalar> Rig<S> {
                 resisting -= inputs.disc_torque;
                 drive += inputs.motor_torque;
             }
-            if FULL {
-                if let (Some(pin), Some(pin_jet)) = (&disc1, disc1_jet.as_mut()) {
-                    let outer_torque = parts.stiffness_1 * (x[THETA1][k] - x[THETA][k])
-                        + parts.damping_1 * (x[OMEGA1][k] - omega);
-                    resisting -= outer_torque;
-                    x[OMEGA1][k + 1] =
-                        pin.next_velocity(k, outer_torque, &x[THETA1], &x[OMEGA1], pin_jet);
-                    x[THETA1][k + 1] = x[OMEGA1][k] * per_next;
-                }
+            if FULL && let (Some(pin), Some(pin_jet)) = (&disc1, disc1_jet.as_mut()) {
+                let outer_torque = parts.stiffness_1 * (x[THETA1][k] - x[THETA][k])
+                    + parts.damping_1 * (x[OMEGA1][k] - omega);
+                resisting -= outer_torque;
+                x[OMEGA1][k + 1] =
+                    pin.next_velocity(k, outer_torque, &x[THETA1], &x[OMEGA1], pin_jet);
+                x[THETA1][k + 1] = x[OMEGA1][k] * per_next;
             }
             x[OMEGA][k + 1] = disc.next_velocity(k, resisting, &x[THETA], &x[OMEGA], disc_jet);
             x[THETA][k + 1] = omega * per_next;

@@ -226,13 +226,14 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                 mode.near[0],
             );
         }
-        if let (Some(outer), Some(pin)) = (&self.outer, &jet.disc1) {
-            if outer.law.has_branches() && matches!(mode.disc1, ContactMode::Slipping(..)) {
-                mode.near[1] = kept_sign(
-                    value_at(&pin.slip.acceleration, jet.order, tau),
-                    mode.near[1],
-                );
-            }
+        if let (Some(outer), Some(pin)) = (&self.outer, &jet.disc1)
+            && outer.law.has_branches()
+            && matches!(mode.disc1, ContactMode::Slipping(..))
+        {
+            mode.near[1] = kept_sign(
+                value_at(&pin.slip.acceleration, jet.order, tau),
+                mode.near[1],
+            );
         }
         mode
     }

@@ -1,4 +1,8 @@
 //! Rigs, runs and tolerances that several tests share.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests fail by panicking, like the tests"
+)]
 #![allow(dead_code)] // every test file is a crate of its own and uses its share
 
 use stickslip::integrator::{IntegrationError, Options, Simulation};

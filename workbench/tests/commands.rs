@@ -1,4 +1,8 @@
 //! The command line, run as a user runs it.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests fail by panicking, like the tests"
+)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
