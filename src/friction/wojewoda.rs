@@ -57,9 +57,10 @@ pub(super) fn excess<S: Scalar>(
     let mut sum = S::ZERO;
     if k == 0 {
         let function = RandomFunction::new(law.seed.value() as u64, law.correlation_angle.value());
+        let stretch = S::constant(law.correlation_angle.value()) / law.correlation_angle;
         for (m, &(wave_number, phase)) in function.harmonics.iter().enumerate() {
-            wave_numbers[m] = S::constant(wave_number);
-            let (sine, cosine) = (angle[0] * wave_number + phase).sin_cos();
+            wave_numbers[m] = stretch * wave_number;
+            let (sine, cosine) = (angle[0] * wave_numbers[m] + phase).sin_cos();
             (waves[2 * m][0], waves[2 * m + 1][0]) = (cosine, sine);
             sum += cosine;
         }

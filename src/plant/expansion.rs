@@ -644,17 +644,22 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         }
         if let (Some(noise), Some(random)) = (&effects.stochastic_friction, &self.random) {
             work.steady_load[k] = coefficient;
-            work.noise[k] = one + noise.standard_deviation * random_coefficient(random, k, time);
+            let correlation_time = noise.correlation_time;
+            let stretch = S::constant(correlation_time.value()) / correlation_time;
+            work.noise[k] =
+                one + noise.standard_deviation * random_coefficient(random, stretch, k, time);
             coefficient = convolution(&work.steady_load[..=k], &work.noise[..=k]);
         }
         load[k] = coefficient;
     }
 }
 
-/// Coefficient `k` about `time` of a seeded random function of time.
-fn random_coefficient<S: Scalar>(random: &RandomFunction, k: usize, time: S) -> S {
+/// Coefficient `k` about `time` of a seeded random function of time. `stretch` is one; it carries the
+/// derivatives of all rates.
+fn random_coefficient<S: Scalar>(random: &RandomFunction, stretch: S, k: usize, time: S) -> S {
     let mut sum = S::ZERO;
     for &(rate, phase) in &random.harmonics[..HARMONICS] {
+        let rate = stretch * rate;
         let (sin, cos) = (time * rate + phase).sin_cos();
         // The k-th derivative of a cosine is ω^k cos(… + k π/2).
         let wave = match k % 4 {
@@ -663,11 +668,11 @@ fn random_coefficient<S: Scalar>(random: &RandomFunction, k: usize, time: S) -> 
             2 => -cos,
             _ => sin,
         };
-        let mut factor = 1.0;
+        let mut term = wave;
         for j in 1..=k {
-            factor *= rate / j as f64;
+            term = term * rate * RECIPROCAL[j];
         }
-        sum += wave * factor;
+        sum += term;
     }
     sum * RandomFunction::amplitude()
 }

@@ -37,6 +37,19 @@ impl<S: Scalar> RigInputs<S> {
             motor_torque: S::ZERO,
         }
     }
+
+    /// The same inputs over another kind of number, without derivatives.
+    pub fn lift<T: Scalar>(&self) -> RigInputs<T> {
+        let lift = |terms: [S; INPUT_TERMS]| terms.map(|c| T::constant(c.value()));
+        RigInputs {
+            time: self.time,
+            voltage: lift(self.voltage),
+            normal_force: lift(self.normal_force),
+            normal_force_1: lift(self.normal_force_1),
+            disc_torque: T::constant(self.disc_torque.value()),
+            motor_torque: T::constant(self.motor_torque.value()),
+        }
+    }
 }
 
 /// Coefficients of an input about `offset` after its own centre, and whether it is constant.

@@ -14,6 +14,7 @@ mod model_file;
 mod plain_motion;
 mod rig;
 mod sections;
+mod sensitivity;
 mod switching;
 
 pub use effects::*;
@@ -23,3 +24,4 @@ pub use mode::{Contact, Coupling, RigGuard, RigMode};
 pub use model_file::{ModelFile, ModelFileError, Provenance};
 pub use rig::{Outer, Parameter, Rig, RigKind, RigState, STATES, index};
 pub use sections::{ContactRadius, Disc, Gearbox, Motor, Shaft};
+pub use sensitivity::{Sensitivities, SensitivityError, sensitivities};

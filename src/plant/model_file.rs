@@ -66,7 +66,7 @@ pub enum ModelFileError {
         known: String,
     },
     /// A value of the wrong type.
-    #[error("{file}: [{section}] {key} = {value} must be {expected}")]
+    #[error("{file}: [{section}]{}{key} = {value} must be {expected}", if key.is_empty() { "" } else { " " })]
     WrongType {
         /// File name.
         file: String,

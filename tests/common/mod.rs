@@ -33,7 +33,7 @@ pub const LAWS: [(&str, &str); 8] = [
     ),
     (
         "two_gaussian_torque",
-        "a1 = 0.6\nb1 = -2.6\nc1 = 1.2\na2 = 0.6\nb2 = 0.4796\nc2 = 2.62303\nomega_centre = 7.15956\nacceleration_semi_axis = 58.2873",
+        "a1 = 0.8\nb1 = -3.07246\nc1 = 1.28946\na2 = 0.55\nb2 = 0.4796\nc2 = 2.62303\nomega_centre = 7.15956\nacceleration_semi_axis = 58.2873",
     ),
     (
         "two_gaussian_mu",

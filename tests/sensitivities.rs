@@ -1,0 +1,193 @@
+//! Derivatives through stick-slip against central differences of runs at a tolerance of 1e-13.
+
+mod common;
+
+use common::{LAWS, rig_text};
+use stickslip::integrator::Simulation;
+use stickslip::plant::{Rig, RigInputs, RigState, STATES, index::*, sensitivities};
+use stickslip::series::Dual;
+
+/// Largest difference between a derivative and its central difference, relative to the largest
+/// derivative of that state variable's kind with respect to the same quantity.
+const BAR: f64 = 1e-6;
+const END: f64 = 2.6;
+
+/// A start from which neither loop of the two-Gaussian laws folds.
+fn moving(full: bool, law: &str) -> RigState<f64> {
+    let mut state = [0.0; STATES];
+    state[..5].copy_from_slice(&[0.4, 3.0, 1.4, 5.0, 0.7]);
+    if full {
+        (state[THETA1], state[OMEGA1]) = match law {
+            "two_gaussian_mu" => (0.41, 3.1),
+            _ => (0.3, 2.0),
+        };
+    }
+    state
+}
+
+fn inputs(rig: &Rig<f64>) -> RigInputs<f64> {
+    RigInputs::held(rig.voltage_for_speed(5.76), 40.0, 12.0)
+}
+
+fn end(rig: &Rig<f64>, state: RigState<f64>) -> RigState<f64> {
+    let mut run = common::start(rig, 1e-13, state, inputs(rig)).unwrap();
+    run.advance_to(END).unwrap();
+    run.state_at(END)
+}
+
+/// d end/d x at `x` by central differences, extrapolated to the fourth order.
+fn difference(x: f64, step: f64, end: impl Fn(f64) -> RigState<f64>) -> RigState<f64> {
+    let central = |step: f64| {
+        let (up, down) = (end(x + step), end(x - step));
+        let mut slope = [0.0; STATES];
+        for j in 0..STATES {
+            slope[j] = (up[j] - down[j]) / (2.0 * step);
+        }
+        slope
+    };
+    let (fine, coarse) = (central(step), central(2.0 * step));
+    let mut slope = [0.0; STATES];
+    for j in 0..STATES {
+        slope[j] = (4.0 * fine[j] - coarse[j]) / 3.0;
+    }
+    slope
+}
+
+fn error(ours: &RigState<f64>, expected: &RigState<f64>) -> f64 {
+    let size = expected.iter().fold(1e-3_f64, |size, x| size.max(x.abs()));
+    let pairs = ours.iter().zip(expected);
+    pairs.fold(0.0, |largest: f64, (a, b)| {
+        largest.max((a - b).abs() / size)
+    })
+}
+
+fn check_parameters(name: &str, rig: &Rig<f64>, state: RigState<f64>) {
+    let names: Vec<String> = rig
+        .parameters()
+        .into_iter()
+        .map(|parameter| parameter.name)
+        .filter(|name| !name.ends_with("seed"))
+        // Zero in most cases, and a standard deviation has no derivative there.
+        .filter(|name| rig.parameter(name) != Some(0.0))
+        .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let options = common::options(1e-13);
+    let all = sensitivities(rig, &names, options, &state, &inputs(rig), &[END]).unwrap();
+    assert!(!all[0].interrupted, "{name}");
+    let mut worst = 0.0_f64;
+    for (parameter, derivative) in names.iter().zip(&all[0].derivatives) {
+        let value = rig.parameter(parameter).unwrap();
+        let expected = difference(value, 2e-5 * value.abs().max(1e-2), |value| {
+            let mut changed = *rig;
+            changed.set_parameter(parameter, value).unwrap();
+            let mut run = common::start(&changed, 1e-13, state, inputs(rig)).unwrap();
+            run.advance_to(END).unwrap();
+            run.state_at(END)
+        });
+        let error = error(derivative, &expected);
+        worst = worst.max(error);
+        assert!(
+            error < BAR,
+            "{name}, {parameter}: {error:e}: {derivative:?} instead of {expected:?}"
+        );
+    }
+    println!("{name:32} {} parameters, worst {worst:.1e}", names.len());
+}
+
+#[test]
+fn parameters_of_every_law_and_both_rigs() {
+    for law in LAWS {
+        for full in [false, true] {
+            let rig = Rig::from_toml(&rig_text(full, law, ""), law.0).unwrap();
+            let name = format!("{}, full rig {full}", law.0);
+            check_parameters(&name, &rig, moving(full, law.0));
+        }
+    }
+}
+
+#[test]
+fn parameters_of_the_effects() {
+    for effect in [
+        "[bearing_friction]\ntorque = 0.05\n",
+        "[normal_force_wobble]\namplitude = 0.2\nphase = 0.7\n[unbalance]\ntorque = 0.1\nphase = 0.3\n",
+        "[position_friction]\namplitude = 0.15\nphase = 0.4\n[viscous_drag]\ncoefficient = 0.01\n",
+        "[quadratic_drag]\ncoefficient = 0.002\n[shaft_hardening]\ncubic_stiffness = 0.02\n",
+        "[shaft_hysteresis]\nstiffness = 0.1\nrelaxation_time = 0.15\n[motor_viscous]\ncoefficient = 2e-4\n",
+        "[backlash]\ngap = 0.2\n[supply_sag]\nfactor = 0.95\n",
+        "[gear_ripple]\ntorque = 0.02\norder = 2.0\nphase = 0.4\n[resistance_drift]\nrate_per_minute = 0.5\n",
+        "[load_cell_bias]\nbias = 5.0\n[load_exponent]\nexponent = 0.8\n[friction_wear]\nrate_per_minute = 0.8\n",
+        "[stochastic_friction]\nstandard_deviation = 0.04\ncorrelation_time = 0.1\nseed = 5.0\n",
+    ] {
+        let rig = common::rig(false, common::law("stribeck"), effect);
+        let name = effect.lines().next().unwrap();
+        check_parameters(name, &rig, moving(false, ""));
+    }
+    let random = (
+        "wojewoda",
+        "mu_c = 0.15\nmu_s = 0.2\nomega_s = 1.2\nstochastic_amplitude = 0.05\ncorrelation_angle = 0.3\nseed = 5",
+    );
+    let rig = common::rig(false, random, "");
+    check_parameters("wojewoda, random", &rig, moving(false, ""));
+}
+
+#[test]
+fn initial_states_of_every_law_and_both_rigs() {
+    for law in LAWS {
+        for full in [false, true] {
+            let rig = common::rig(full, law, "");
+            let (start, used) = (moving(full, law.0), if full { 7 } else { 5 });
+            let mut lifted = start.map(|x| Dual {
+                value: x,
+                derivative: [0.0; 7],
+            });
+            for (place, x) in lifted.iter_mut().enumerate().take(used) {
+                x.derivative[place] = 1.0;
+            }
+            let options = common::options(1e-13);
+            let inputs = inputs(&rig).lift();
+            let mut run =
+                Simulation::new(rig.lift::<Dual<7>>(), options, 0.0, lifted, inputs).unwrap();
+            run.advance_to(END).unwrap();
+            let result = run.state_at(END);
+            let mut worst = 0.0_f64;
+            for place in 0..used {
+                let expected = difference(start[place], 2e-4, |value| {
+                    let mut changed = start;
+                    changed[place] = value;
+                    end(&rig, changed)
+                });
+                worst = worst.max(error(&result.map(|x| x.derivative[place]), &expected));
+            }
+            println!("{:20} full rig {full:5}: worst {worst:.1e}", law.0);
+            assert!(worst < BAR, "{}, full rig {full}: {worst:e}", law.0);
+        }
+    }
+}
+
+#[test]
+fn unknown_parameters_are_named() {
+    let rig = common::rig(false, common::law("stribeck"), "");
+    let options = common::options(1e-12);
+    let error = sensitivities(
+        &rig,
+        &["disc.mass"],
+        options,
+        &[0.0; STATES],
+        &inputs(&rig),
+        &[1.0],
+    );
+    assert_eq!(
+        error.unwrap_err().to_string(),
+        "there is no parameter \"disc.mass\" in this model"
+    );
+}
+
+#[test]
+fn a_jump_between_branches_is_reported() {
+    let rig = common::rig(true, common::law("two_gaussian_torque"), "");
+    let (names, times) = (["disc.inertia"], [0.0, END]);
+    let options = common::options(1e-13);
+    let start = moving(true, "two_gaussian_mu");
+    let all = sensitivities(&rig, &names, options, &start, &inputs(&rig), &times).unwrap();
+    assert!(!all[0].interrupted && all[1].interrupted);
+}
