@@ -6,6 +6,7 @@ use crate::build::{self, BuildArguments};
 use crate::experiment::{self, command::ExperimentArguments};
 use crate::identify::{self, command::IdentifyArguments};
 use crate::info::{self, InfoArguments};
+use crate::map::{self, MapArguments};
 use crate::simulate::{self, SimulateArguments};
 
 /// What a command came to; the process' exit code.
@@ -15,6 +16,8 @@ pub enum Outcome {
     Done,
     /// The work is done and what it was to check does not hold: 1.
     CheckFailed,
+    /// The user interrupted the work, of which what is finished is kept: 130, as shells say it.
+    Interrupted,
 }
 
 /// Friction-induced stick-slip of a motor-driven torsional rig: simulate it, map it, find what a model of it lacks.
@@ -31,6 +34,8 @@ pub struct Cli {
 pub enum Command {
     /// Run a model or an FMU.
     Simulate(SimulateArguments),
+    /// Map the kinds of motion over one or two parameters.
+    Map(MapArguments),
     /// Say what a model or an FMU is and has.
     Info(InfoArguments),
     /// Pack a model into FMUs.
@@ -48,6 +53,7 @@ pub enum Command {
 pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
     match &cli.command {
         Command::Simulate(arguments) => simulate::command(arguments),
+        Command::Map(arguments) => map::command(arguments),
         Command::Info(arguments) => info::command(arguments),
         Command::Build(arguments) => build::command(arguments),
         Command::Experiment(arguments) => experiment::command::run(arguments),

@@ -1,6 +1,6 @@
 //! The workbench behind the command `stickslip`: simulating, mapping and examining the rig.
 //!
-//! One module per command: [`simulate`], [`info`], [`build`], [`experiment`], [`identify`]; [`cli`] dispatches. They stand on
+//! One module per command: [`simulate`], [`map`], [`info`], [`build`], [`experiment`], [`identify`]; [`cli`] dispatches. They stand on
 //!
 //! - [`component`]: the native model and FMUs of both versions behind one trait;
 //! - [`files`]: CSV records and writing whole or not at all;
@@ -15,6 +15,7 @@ pub mod experiment;
 pub mod files;
 pub mod identify;
 pub mod info;
+pub mod map;
 pub mod oscillator;
 pub mod plot;
 pub mod random;

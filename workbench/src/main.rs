@@ -1,4 +1,4 @@
-//! The command `stickslip`. Exit codes: 0 done, 1 a check said no, 2 usage or input.
+//! The command `stickslip`. Exit codes: 0 done, 1 a check said no, 2 usage or input, 130 interrupted.
 
 use std::process::ExitCode;
 
@@ -9,6 +9,7 @@ fn main() -> ExitCode {
     match cli::run(&Cli::parse()) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
+        Ok(Outcome::Interrupted) => ExitCode::from(130),
         Err(error) => {
             eprintln!("stickslip: {error:#}");
             ExitCode::from(2)

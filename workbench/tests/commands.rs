@@ -4,6 +4,8 @@
     reason = "helpers of tests fail by panicking, like the tests"
 )]
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -88,16 +88,16 @@ impl Range {
     }
 }
 
-/// What was seen of a disc's velocity in the judged part of a run.
+/// What was seen of a disc's velocity in a run whose early part is there to be compared with its late part.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Evidence {
     /// Whether the disc has moved at all since the start of the run.
     pub has_moved: bool,
-    /// Share of the judged time in which it stuck, 0 … 1.
+    /// Share of the late part in which it stuck, 0 … 1.
     pub stick_fraction: f64,
-    /// Velocities in the first half of the judged part [rad/s].
+    /// Velocities in the early part [rad/s].
     pub early: Range,
-    /// Velocities in the second half of the judged part [rad/s].
+    /// Velocities in the late part [rad/s].
     pub late: Range,
 }
 
@@ -109,19 +109,19 @@ const DYING: f64 = 0.8;
 impl Evidence {
     /// The kind of motion.
     ///
-    /// A velocity that varies by less than one hundredth of its middle is constant. An oscillation that loses a fifth of its
-    /// size from the first to the second half of the judged part is a transient that outlives the run, as lightly damped
-    /// shafts have, and counts as steady.
+    /// It is that of the late part. A velocity that varies by less than one hundredth of its middle is constant. An
+    /// oscillation that loses a fifth of its size from the early to the late part is a transient that outlives the run, as
+    /// lightly damped shafts have, and counts as steady.
     #[must_use]
     pub fn judge(&self) -> Motion {
-        let both = self.early.with(self.late);
         if !self.has_moved {
             Motion::NoMotion
         } else if self.stick_fraction >= 1.0 {
             Motion::Sticking
         } else if self.stick_fraction > 0.0 {
             Motion::StickSlip
-        } else if self.late.half() <= CONSTANT * (0.5 * (both.minimum + both.maximum)).abs()
+        } else if self.late.half()
+            <= CONSTANT * (0.5 * (self.late.minimum + self.late.maximum)).abs()
             || self.late.half() <= DYING * self.early.half()
         {
             Motion::Steady
@@ -131,38 +131,39 @@ impl Evidence {
     }
 }
 
-/// What is seen in a sampled run: `velocity` [rad/s] and `stuck` (not zero where the disc sticks) over `time` [s], judged from
-/// `settled` [s] on.
+/// What is seen in a sampled run: `velocity` [rad/s] over `time` [s] and whether the disc sticks at a sample. The late part
+/// is the last third of the run, the early part the third before it.
 #[must_use]
-pub fn evidence(
-    time: &[f64],
-    velocity: &[f64],
-    stuck: impl Fn(usize) -> bool,
-    settled: f64,
-) -> Evidence {
+pub fn evidence(time: &[f64], velocity: &[f64], stuck: impl Fn(usize) -> bool) -> Evidence {
     let mut evidence = Evidence {
         has_moved: velocity.iter().any(|value| *value != 0.0),
         ..Evidence::default()
     };
-    let Some(&end) = time.last() else {
+    let (Some(&start), Some(&end)) = (time.first(), time.last()) else {
         return evidence;
     };
-    let middle = 0.5 * (settled + end);
+    let (early, late) = thirds(start, end);
     let (mut resting, mut judged) = (0_usize, 0_usize);
     for index in 0..time.len().min(velocity.len()) {
-        if time[index] >= settled {
+        if time[index] >= late {
             judged += 1;
             resting += usize::from(stuck(index));
-            let half = if time[index] < middle {
-                &mut evidence.early
-            } else {
-                &mut evidence.late
-            };
-            half.see(velocity[index]);
+            evidence.late.see(velocity[index]);
+        } else if time[index] >= early {
+            evidence.early.see(velocity[index]);
         }
     }
     evidence.stick_fraction = resting as f64 / judged.max(1) as f64;
     evidence
+}
+
+/// Where the early and the late part of a run from `start` to `end` [s] begin.
+#[must_use]
+pub fn thirds(start: f64, end: f64) -> (f64, f64) {
+    (
+        start + (end - start) / 3.0,
+        start + 2.0 * (end - start) / 3.0,
+    )
 }
 
 #[cfg(test)]
@@ -172,7 +173,7 @@ mod tests {
     fn judge(velocity: impl Fn(f64) -> f64) -> Motion {
         let time: Vec<f64> = (0..=6000).map(|index| f64::from(index) * 0.01).collect();
         let series: Vec<f64> = time.iter().map(|t| velocity(*t)).collect();
-        evidence(&time, &series, |index| series[index] == 0.0, 40.0).judge()
+        evidence(&time, &series, |index| series[index] == 0.0).judge()
     }
 
     #[test]

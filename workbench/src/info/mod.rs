@@ -155,7 +155,7 @@ fn describe_variables(variables: &[Variable], provenance: &BTreeMap<String, Prov
                 &row.unit
             };
             let value = match (row.role, row.start) {
-                (Role::Parameter, Some(value)) => value.to_string(),
+                (Role::Parameter, Some(value)) => format!("{value:>12} "),
                 _ => String::new(),
             };
             let source = provenance
@@ -163,7 +163,7 @@ fn describe_variables(variables: &[Variable], provenance: &BTreeMap<String, Prov
                 .map(describe_provenance)
                 .unwrap_or_default();
             let line = format!(
-                "  {:width$}  {value:>12} {unit:<11} {}{source}",
+                "  {:width$}  {value}{unit:<11} {}{source}",
                 row.name, row.description
             );
             let _ = writeln!(text, "{}", line.trim_end());

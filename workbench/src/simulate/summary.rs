@@ -43,21 +43,17 @@ impl Summary {
     ) -> Result<Self, RecordError> {
         let (time, velocity) = (record.time(), record.require("theta_dot")?);
         let (start, end) = (time[0], time[time.len() - 1]);
-        let settled = start + 2.0 * (end - start) / 3.0;
+        let (_, settled) = motion::thirds(start, end);
         let stuck = record.column("stuck");
-        let evidence = motion::evidence(
-            time,
-            velocity,
-            |row| stuck.map_or(velocity[row].abs() <= AT_REST, |stuck| stuck[row] != 0.0),
-            settled,
-        );
+        let evidence = motion::evidence(time, velocity, |row| {
+            stuck.map_or(velocity[row].abs() <= AT_REST, |stuck| stuck[row] != 0.0)
+        });
         let from = time.partition_point(|&at| at < settled);
-        let both = evidence.early.with(evidence.late);
         Ok(Self {
             motion: evidence.judge(),
             judged: (settled, end),
             cycle: limit_cycle::find(&time[from..], &velocity[from..], AT_REST, SMALLEST_RANGE),
-            velocity: (both.minimum, both.maximum),
+            velocity: (evidence.late.minimum, evidence.late.maximum),
             stick_fraction: evidence.stick_fraction,
             switches,
             wall_time,

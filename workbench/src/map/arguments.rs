@@ -1,0 +1,91 @@
+//! The arguments of `stickslip map`.
+
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use anyhow::Context;
+use clap::Args;
+
+use super::settings::{Quantity, Settings};
+use super::span::Span;
+
+/// Kinds of motion over one or two parameters.
+#[derive(Debug, Args)]
+pub struct MapArguments {
+    /// Model (.toml).
+    pub model: PathBuf,
+    /// Speed at the gearbox output [rpm] that the voltage would give the undisturbed rig: from:to:count or one value.
+    #[arg(long, allow_hyphen_values = true)]
+    pub speed_rpm: Span,
+    /// Normal force N2 on disc D2 [N]: from:to:count or one value.
+    #[arg(long)]
+    pub normal_force: Span,
+    /// Normal force N1 on disc D1 [N], for the full rig: from:to:count or one value.
+    #[arg(long)]
+    pub normal_force_1: Option<Span>,
+    /// A parameter of the model, such as contact.mu_s=0.1:0.3:21; may be repeated.
+    #[arg(long, value_name = "NAME=FROM:TO:COUNT")]
+    pub vary: Vec<Variation>,
+    /// Length of each run [s]; its last third is judged.
+    #[arg(long, default_value_t = 60.0)]
+    pub duration: f64,
+    /// Local tolerance of the integrator.
+    #[arg(long, default_value_t = 1e-9)]
+    pub tolerance: f64,
+    /// Threads; all cores if not given.
+    #[arg(long)]
+    pub threads: Option<NonZeroUsize>,
+    /// Directory for the result.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+/// A parameter and the values it takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variation {
+    name: String,
+    span: Span,
+}
+
+impl FromStr for Variation {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (name, span) = text
+            .split_once('=')
+            .ok_or("NAME=FROM:TO:COUNT is needed, such as contact.mu_s=0.1:0.3:21")?;
+        Ok(Self {
+            name: name.trim().to_owned(),
+            span: span.parse()?,
+        })
+    }
+}
+
+impl MapArguments {
+    /// The runs that were asked for.
+    pub(super) fn settings(&self) -> anyhow::Result<Settings> {
+        let path = &self.model;
+        let text = fs::read_to_string(path)
+            .with_context(|| format!("{}: cannot be read", path.display()))?;
+        let mut spans = vec![
+            (Quantity::SpeedRpm, self.speed_rpm),
+            (Quantity::NormalForce, self.normal_force),
+        ];
+        spans.extend(
+            self.normal_force_1
+                .map(|span| (Quantity::NormalForce1, span)),
+        );
+        for variation in &self.vary {
+            spans.push((Quantity::Parameter(variation.name.clone()), variation.span));
+        }
+        Ok(Settings::new(
+            &text,
+            &path.display().to_string(),
+            &spans,
+            self.duration,
+            self.tolerance,
+        )?)
+    }
+}
