@@ -1,0 +1,271 @@
+//! Maps: judged on polynomials as on samples, continued after an interrupt, memory per run.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use stickslip::integrator::Simulation;
+use stickslip::plant::{Rig, RigInputs};
+use workbench::analysis::limit_cycle;
+use workbench::analysis::motion::{self, Motion};
+use workbench::component::Native;
+use workbench::map::{Quantity, Settings, Span, Watch, run_point};
+use workbench::simulate::{Drive, Schedule, simulate};
+
+const MODEL: &str = include_str!("../../modelDescription/reduced-rig.toml");
+
+fn span(text: &str) -> Span {
+    text.parse().unwrap()
+}
+
+fn settings(speed: &str, force: &str) -> Settings {
+    let spans = [
+        (Quantity::SpeedRpm, span(speed)),
+        (Quantity::NormalForce, span(force)),
+    ];
+    Settings::new(MODEL, "reduced-rig.toml", &spans, 60.0, 1e-9).unwrap()
+}
+
+#[test]
+fn polynomials_and_samples_tell_the_same() {
+    let settings = settings("55", "5:50:2");
+    for (row, force) in [5.0, 50.0].into_iter().enumerate() {
+        let point = settings.run(row, 0);
+        let mut native = Native::from_text(MODEL, "reduced-rig.toml").unwrap();
+        let drive = Drive::from_speed(&native, |_| None, 55.0, force, None).unwrap();
+        let record = simulate(
+            &mut native,
+            &drive,
+            &Schedule::new(0.0, 60.0, 0.002).unwrap(),
+        )
+        .unwrap();
+        let (velocity, stuck) = (
+            record.require("theta_dot").unwrap(),
+            record.require("stuck").unwrap(),
+        );
+        let evidence = motion::evidence(record.time(), velocity, |row| stuck[row] != 0.0);
+        assert_eq!(point.motion, Some(evidence.judge()), "{force} N");
+        assert!(
+            (point.maximum - evidence.late.maximum).abs() < 1e-4,
+            "{point:?} {evidence:?}"
+        );
+        assert!(
+            (point.minimum - evidence.late.minimum).abs() < 1e-4,
+            "{point:?} {evidence:?}"
+        );
+        if point.motion == Some(Motion::StickSlip) {
+            let from = record.time().partition_point(|time| *time < 40.0);
+            let cycle =
+                limit_cycle::find(&record.time()[from..], &velocity[from..], 0.0, 0.1).unwrap();
+            assert!(
+                (point.frequency - cycle.frequency()).abs() < 1e-5,
+                "{point:?} {cycle:?}"
+            );
+            assert!(
+                (point.stick_fraction - cycle.stick_fraction).abs() < 2e-3,
+                "{point:?} {cycle:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_kinds_of_motion_of_the_reference_rig() {
+    let at = |speed: &str, force: &str| settings(&format!("{speed}:61:2"), force).run(0, 0).motion;
+    assert_eq!(at("55", "50"), Some(Motion::StickSlip));
+    assert_eq!(at("55", "5"), Some(Motion::Steady));
+    assert_eq!(at("55", "0"), Some(Motion::Steady));
+    assert_eq!(at("5", "70"), Some(Motion::NoMotion));
+    assert_eq!(at("0", "0"), Some(Motion::NoMotion));
+}
+
+#[test]
+fn the_tolerance_of_maps_changes_no_verdict() {
+    let coarse = settings("20:60:3", "5:65:3");
+    for row in 0..coarse.rows() {
+        for column in 0..coarse.columns() {
+            let (rig, inputs) = coarse.conditions(row, column).unwrap();
+            let fine = run_point(rig, inputs, 60.0, Default::default()).unwrap();
+            let point = coarse.run(row, column);
+            assert_eq!(point.motion, fine.motion);
+            assert!(
+                (point.maximum - fine.maximum).abs() < 1e-5,
+                "{point:?} {fine:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_run_needs_little_memory() {
+    let rig = Rig::from_toml(MODEL, "reduced-rig.toml").unwrap();
+    let run = Simulation::new(
+        rig,
+        Default::default(),
+        0.0,
+        Default::default(),
+        RigInputs::held(1.0, 1.0, 0.0),
+    )
+    .unwrap();
+    let bytes = size_of_val(&run) + size_of::<Watch>();
+    println!("{bytes} bytes per run");
+    assert!(bytes <= 16 * 1024, "{bytes} bytes per run");
+}
+
+#[test]
+fn wrong_settings_are_answered_with_what_is_right() {
+    let refused = |spans: &[(Quantity, &str)]| {
+        let spans: Vec<_> = spans
+            .iter()
+            .map(|(quantity, text)| (quantity.clone(), span(text)))
+            .collect();
+        Settings::new(MODEL, "reduced-rig.toml", &spans, 60.0, 1e-9)
+            .unwrap_err()
+            .to_string()
+    };
+    let (speed, force) = (Quantity::SpeedRpm, Quantity::NormalForce);
+    let vary = |name: &str| Quantity::Parameter(name.to_owned());
+    assert!(
+        refused(&[(speed.clone(), "55"), (force.clone(), "5")]).contains("0 ranges were given")
+    );
+    assert!(
+        refused(&[(speed.clone(), "55"), (force.clone(), "-5:5:3")])
+            .contains("force of 0 N or more")
+    );
+    assert!(
+        refused(&[
+            (speed.clone(), "5:6:2"),
+            (force.clone(), "5:6:2"),
+            (vary("contact.mu_s"), "0.2:0.3:2")
+        ])
+        .contains("3 ranges")
+    );
+    assert!(
+        refused(&[
+            (speed.clone(), "5:6:2"),
+            (force.clone(), "5"),
+            (vary("contact.mus"), "1")
+        ])
+        .contains("did you mean `contact.mu_s`")
+    );
+    assert!(
+        refused(&[
+            (speed.clone(), "5:6:2"),
+            (force.clone(), "5"),
+            (vary("disc.inertia"), "0:1:5")
+        ])
+        .contains("disc.inertia = 0")
+    );
+    assert!(
+        refused(&[
+            (speed, "5:6:2"),
+            (force, "5"),
+            (Quantity::NormalForce1, "5")
+        ])
+        .contains("no disc D1")
+    );
+}
+
+fn map(out: &Path, force: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    let model = format!(
+        "{}/../modelDescription/reduced-rig.toml",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let out = out.to_str().unwrap();
+    command.args([
+        "map",
+        &model,
+        "--speed-rpm",
+        "20:60:5",
+        "--normal-force",
+        force,
+        "--duration",
+        "30",
+        "--out",
+        out,
+    ]);
+    command
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_map_is_continued_to_the_same_result() {
+    let place = tempfile::tempdir().unwrap();
+    let (whole, parts) = (place.path().join("whole"), place.path().join("parts"));
+    let force = "5:65:61";
+    assert!(map(&whole, force).output().unwrap().status.success());
+    let journal = parts.join("map.journal");
+    let child = map(&parts, force)
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let has_rows = || fs::read_to_string(&journal).is_ok_and(|text| text.contains("\nend\n"));
+    while !has_rows() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    let interrupted = child.wait_with_output().unwrap();
+    assert_eq!(
+        interrupted.status.code(),
+        Some(130),
+        "{}",
+        said(&interrupted)
+    );
+    assert!(has_rows() && !parts.join("map.csv").exists());
+    let other = map(&parts, "5:65:60").output().unwrap();
+    assert_eq!(other.status.code(), Some(2));
+    assert!(
+        said(&other).contains("belongs to a map with other settings"),
+        "{}",
+        said(&other)
+    );
+    let continued = map(&parts, force).output().unwrap();
+    assert!(continued.status.success(), "{}", said(&continued));
+    assert!(!String::from_utf8_lossy(&continued.stdout).contains(" 0 rows kept"));
+    for name in ["map.csv", "map.svg"] {
+        assert_eq!(
+            fs::read(whole.join(name)).unwrap(),
+            fs::read(parts.join(name)).unwrap(),
+            "{name}"
+        );
+    }
+    assert!(!journal.exists());
+}
+
+#[test]
+fn a_bifurcation_diagram_is_the_map_of_one_parameter() {
+    let place = tempfile::tempdir().unwrap();
+    let model = format!(
+        "{}/../modelDescription/reduced-rig.toml",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.args([
+        "map",
+        &model,
+        "--speed-rpm",
+        "55",
+        "--normal-force",
+        "50",
+        "--vary",
+        "contact.mu_s=0.13:0.25:7",
+    ]);
+    let output = command.arg("--out").arg(place.path()).output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    let table = fs::read_to_string(place.path().join("map.csv")).unwrap();
+    assert!(table.starts_with("contact.mu_s,motion,"), "{table}");
+    assert_eq!(table.lines().count(), 8);
+    let extrema = fs::read_to_string(place.path().join("extrema.csv")).unwrap();
+    assert!(extrema.lines().count() > 7 * 10);
+    assert!(place.path().join("map.png").exists());
+}
