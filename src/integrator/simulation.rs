@@ -103,7 +103,6 @@ pub struct Simulation<S: Scalar, P: HybridSystem<S>> {
     end: End<P::GuardKind>,
     departing: bool,
     jet: P::Jet,
-    scratch: P::Jet,
     statistics: Statistics,
     instant: f64,
     simultaneous: u32,
@@ -131,7 +130,6 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         let start = S::constant(time);
         let mode = system.initial_mode(start, &mut state, &inputs, &mut jet);
         let mut simulation = Self {
-            scratch: jet.clone(),
             system,
             options,
             inputs,
@@ -235,7 +233,8 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
                     self.start,
                     &mut self.state,
                     &self.inputs,
-                    &mut self.scratch,
+                    // The segment in it is used up: its state and its memory were carried over above.
+                    &mut self.jet,
                 );
                 self.statistics.switches += 1;
                 self.departing = true;
@@ -304,7 +303,6 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
     pub fn set_system(&mut self, time: f64, system: P) -> Result<(), IntegrationError> {
         self.cut(time)?;
         self.jet = system.new_jet();
-        self.scratch = self.jet.clone();
         self.system = system;
         self.expand()
     }
@@ -316,7 +314,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         self.departing = false;
         self.mode =
             self.system
-                .initial_mode(self.start, &mut self.state, &self.inputs, &mut self.scratch);
+                .initial_mode(self.start, &mut self.state, &self.inputs, &mut self.jet);
         self.expand()
     }
 

@@ -66,7 +66,8 @@ impl<S: Scalar> PinJet<S> {
 pub struct RigJet<S> {
     pub(super) states: [Series<S>; STATES],
     pub(super) disc: PinJet<S>,
-    pub(super) disc1: Option<PinJet<S>>,
+    /// Apart, so that the reduced rig does not carry it.
+    pub(super) disc1: Option<Box<PinJet<S>>>,
     pub(super) motor_torque: Series<S>,
     pub(super) twist: Series<S>,
     pub(super) voltage: Series<S>,
@@ -125,7 +126,10 @@ impl<S: Scalar> RigJet<S> {
         Self {
             states: [zero; STATES],
             disc: PinJet::new(&rig.law),
-            disc1: rig.outer.as_ref().map(|outer| PinJet::new(&outer.law)),
+            disc1: rig
+                .outer
+                .as_ref()
+                .map(|outer| Box::new(PinJet::new(&outer.law))),
             motor_torque: zero,
             twist: zero,
             voltage: zero,

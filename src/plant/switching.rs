@@ -165,7 +165,7 @@ fn folds<S: Scalar>(jet: &RigJet<S>) -> [Option<f64>; 2] {
         }
         first_vertical_tangent(&plain[..=jet.order])
     };
-    [fold(&jet.disc), jet.disc1.as_ref().and_then(fold)]
+    [fold(&jet.disc), jet.disc1.as_deref().and_then(fold)]
 }
 
 /// Evaluates only the value of a series.

@@ -6,12 +6,10 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use stickslip::integrator::Simulation;
-use stickslip::plant::{Rig, RigInputs};
 use workbench::analysis::limit_cycle;
 use workbench::analysis::motion::{self, Motion};
 use workbench::component::Native;
-use workbench::map::{Quantity, Settings, Span, Watch, run_point};
+use workbench::map::{Quantity, Settings, Span, run_point};
 use workbench::simulate::{Drive, Schedule, simulate};
 
 const MODEL: &str = include_str!("../../modelDescription/reduced-rig.toml");
@@ -96,22 +94,6 @@ fn the_tolerance_of_maps_changes_no_verdict() {
             );
         }
     }
-}
-
-#[test]
-fn a_run_needs_little_memory() {
-    let rig = Rig::from_toml(MODEL, "reduced-rig.toml").unwrap();
-    let run = Simulation::new(
-        rig,
-        Default::default(),
-        0.0,
-        Default::default(),
-        RigInputs::held(1.0, 1.0, 0.0),
-    )
-    .unwrap();
-    let bytes = size_of_val(&run) + size_of::<Watch>();
-    println!("{bytes} bytes per run");
-    assert!(bytes <= 16 * 1024, "{bytes} bytes per run");
 }
 
 #[test]
