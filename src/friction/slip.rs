@@ -10,6 +10,9 @@ use super::two_gaussian::TwoGaussian;
 use super::{stribeck, wojewoda};
 use crate::series::{Scalar, Series, TERMS, convolution};
 
+/// Relative difference of two levels that is rounding.
+const SAME_LEVEL: f64 = 1e-14;
+
 /// What a sliding contact is made of, in coordinates in which it slides forward.
 #[derive(Clone, Copy, Debug)]
 pub struct Slip<'a, S> {
@@ -51,6 +54,9 @@ pub struct SlipJet<S> {
     pub margin: f64,
     /// Whether the loop has no root because zero acceleration lies between its two branches.
     pub between: bool,
+    /// Whether the two branches of a hysteretic law differ by no more than rounding, so that which
+    /// of them is followed is of no consequence.
+    pub branches_meet: bool,
     work: Vec<Series<S>>,
 }
 
@@ -66,6 +72,7 @@ impl<S: Scalar> SlipJet<S> {
             lower_level: zero,
             margin: 1.0,
             between: false,
+            branches_meet: false,
             work: vec![zero; law.workspace()],
         }
     }
@@ -104,6 +111,11 @@ impl<S: Scalar> Slip<'_, S> {
             Law::Wojewoda(law) => {
                 let excess = wojewoda::excess(k, law, &jet.speed, angle, &mut jet.work);
                 let middle = Self::constant_level(k, law.mu_c);
+                if k == 0 {
+                    // A random part may bring the branches together for a moment only.
+                    jet.branches_meet = law.stochastic_amplitude.value() == 0.0
+                        && excess.value() <= SAME_LEVEL * law.mu_c.value();
+                }
                 match self.regime {
                     Regime::SlowingDown => middle - excess,
                     Regime::Holding => {

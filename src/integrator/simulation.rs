@@ -382,9 +382,17 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         self.statistics.segments += 1;
         let mut step = self.step_length();
         if step.is_nan() {
-            return Err(IntegrationError::NotFinite {
-                time: self.start.value(),
-                mode: self.system.describe(&self.mode),
+            let (time, mode) = (self.start.value(), self.system.describe(&self.mode));
+            // Coefficients overflow where a time constant is extremely short.
+            let finite = self.state.as_ref().iter().all(|x| x.value().is_finite());
+            return Err(if finite {
+                IntegrationError::StepTooSmall {
+                    time,
+                    step: 0.0,
+                    mode,
+                }
+            } else {
+                IntegrationError::NotFinite { time, mode }
             });
         }
         self.end = End::Step;

@@ -168,7 +168,7 @@ fn pin_guards<S: Scalar>(
             push(guards, RigGuard::Rest(contact), order, |k| {
                 omega[k] * direction.sign() - at_zero(k, band)
             });
-            if !law.has_branches() {
+            if !law.has_branches() || pin.slip.branches_meet {
                 return;
             }
             let speeding_up = match regime {

@@ -145,6 +145,12 @@ impl<S: Scalar> Rig<S> {
         let lower = load * pin.slip.lower_level[0].value() + constant;
         let can_speed_up = reaction > upper;
         let can_slow_down = reaction < lower;
+        if pin.slip.branches_meet {
+            return match earlier {
+                Some(Direction::Forward) => slow_down(mode),
+                _ => speed_up(mode),
+            };
+        }
         match (earlier, can_speed_up, can_slow_down) {
             (Some(Direction::Backward) | None, true, _) => speed_up(mode),
             (Some(Direction::Forward) | None, _, true) => slow_down(mode),
