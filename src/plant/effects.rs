@@ -231,6 +231,11 @@ macro_rules! effects {
                 sections
             }
 
+            /// Whether any effect that is on acts on the motion and not only on what is read.
+            pub fn act_on_motion(&self) -> bool {
+                self.active().iter().any(|(name, _)| *name != "sensor_delay")
+            }
+
             /// The effects that are on, by name, to be changed.
             pub fn active_mut(&mut self) -> Vec<(&'static str, &mut dyn Section<S>)> {
                 let mut sections: Vec<(&'static str, &mut dyn Section<S>)> = Vec::new();

@@ -103,7 +103,7 @@ impl<S: Scalar> RigJet<S> {
     /// Empty series for `rig`.
     pub fn new(rig: &Rig<S>) -> Self {
         let zero = [S::ZERO; TERMS];
-        let effects = (!rig.effects.active().is_empty()).then(|| {
+        let effects = rig.effects.act_on_motion().then(|| {
             Box::new(EffectJet {
                 factor: zero,
                 scratch: zero,
@@ -366,7 +366,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         let bearing = effects.bearing_friction.map_or(S::ZERO, |b| b.torque);
         Self {
             rig,
-            has_effects: !effects.active().is_empty(),
+            has_effects: effects.act_on_motion(),
             inverse_motor_inertia: one / motor_inertia,
             inverse_inductance: one / rig.motor.inductance,
             ratio,
