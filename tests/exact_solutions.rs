@@ -1,5 +1,6 @@
 //! Closed forms: the linear rigs against matrix exponentials, the disc held in stick, and a disc that
 //! swings under Coulomb friction on a held motor; limits of extreme parameters; order of convergence.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
 
 mod common;
 

@@ -1,5 +1,6 @@
 //! Every law and every effect against trajectories by an independent method of order 8
 //! (`golden/reference.py`), and its switching instants.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
 
 mod common;
 
@@ -44,10 +45,10 @@ fn compare(case: &Table) -> (f64, f64, u64) {
         .zip(case["states"].as_array().unwrap())
     {
         while run.segment_end() < time {
-            if let Some(event) = run.pending_switch() {
-                if let Some(RigGuard::Rest(_) | RigGuard::Breakaway(..)) = event.guard {
-                    instants.push(event.time);
-                }
+            if let Some(event) = run.pending_switch()
+                && let Some(RigGuard::Rest(_) | RigGuard::Breakaway(..)) = event.guard
+            {
+                instants.push(event.time);
             }
             run.next_segment().unwrap();
         }

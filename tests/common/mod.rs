@@ -3,7 +3,7 @@
     clippy::unwrap_used,
     reason = "helpers of tests fail by panicking, like the tests"
 )]
-#![allow(dead_code)] // every test file is a crate of its own and uses its share
+#![allow(dead_code, reason = "every test file uses its own part")]
 
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, STATES};
