@@ -3,9 +3,6 @@
     clippy::unwrap_used,
     reason = "helpers of tests fail by panicking, like the tests"
 )]
-
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -79,6 +79,51 @@ fn the_kinds_of_motion_of_the_reference_rig() {
     assert_eq!(at("0", "0"), Some(Motion::NoMotion));
 }
 
+/// The set of the two-Gaussian law's numbers that meets the published figures at 55 rpm: stick-slip at 0.756 Hz under
+/// 50 N, oscillation without sticking at 0.824 Hz under 10 N.
+const TWO_GAUSSIAN: &str = "[contact]
+radius = 0.075
+law = \"two_gaussian_mu\"
+a1 = 0.27115
+b1 = -3.07246
+c1 = 1.28946
+a2 = 0.18567
+b2 = 0.47960
+c2 = 2.62303
+omega_centre = 7.15956
+acceleration_semi_axis = 58.2873
+";
+
+#[test]
+fn the_two_gaussian_law_gives_the_published_motions() {
+    let parts = MODEL.split("[contact]").next().unwrap();
+    let spans = [
+        (Quantity::SpeedRpm, span("55")),
+        (Quantity::NormalForce, span("10:50:2")),
+    ];
+    let settings = Settings::new(
+        &format!("{parts}{TWO_GAUSSIAN}"),
+        "two-gaussian",
+        &spans,
+        60.0,
+        1e-9,
+    )
+    .unwrap();
+    let (light, heavy) = (settings.run(0, 0), settings.run(1, 0));
+    let near = |value: f64, expected: f64, within: f64| (value - expected).abs() < within;
+    assert_eq!(heavy.motion, Some(Motion::StickSlip));
+    assert!(
+        near(heavy.frequency, 0.753, 1e-3) && near(heavy.maximum, 12.06, 0.01),
+        "{heavy:?}"
+    );
+    assert_eq!(light.motion, Some(Motion::Oscillation));
+    assert!(near(light.frequency, 0.823, 1e-3), "{light:?}");
+    assert!(
+        near(light.minimum, 1.25, 0.01) && near(light.maximum, 9.22, 0.01),
+        "{light:?}"
+    );
+}
+
 #[test]
 fn the_tolerance_of_maps_changes_no_verdict() {
     let coarse = settings("20:60:3", "5:65:3");

@@ -24,7 +24,7 @@ pub struct Point {
     pub stick_fraction: f64,
     /// Mode changes of the whole rig over the whole run.
     pub switches: u64,
-    /// Local maxima and minima of the velocity [rad/s] in order of time, the last [`MOST_EXTREMA`] at most.
+    /// Local maxima and minima of the velocity [rad/s] in order of time, the last 48 at most.
     pub extrema: Vec<f64>,
 }
 

@@ -2,12 +2,14 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use thiserror::Error;
+use super::atomic;
 
-use super::atomic::{self, WriteError};
+mod error;
+mod parse;
+
+pub use error::RecordError;
 
 /// A record: sample times and one series of equal length per named variable.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,120 +44,6 @@ pub struct Gap {
     pub time: f64,
     /// Length of the step over the hole [s].
     pub step: f64,
-}
-
-/// Why a record could not be read, written or used.
-#[derive(Debug, Error)]
-pub enum RecordError {
-    /// The file could not be read.
-    #[error("{path}: cannot be read: {source}")]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The operating system's reason.
-        source: io::Error,
-    },
-    /// The file could not be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// The file has no header.
-    #[error("{file}: is empty; a header such as `time,u,N2` is needed")]
-    Empty {
-        /// The file.
-        file: String,
-    },
-    /// There is a header but no sample.
-    #[error("{file}: has a header and no sample below it")]
-    NoSamples {
-        /// The file.
-        file: String,
-    },
-    /// The first column is not `time`.
-    #[error(
-        "{file} line 1: the first column is `{found}`; it must be `time` [s], the others named like the FMU's variables, separated by commas"
-    )]
-    TimeNotFirst {
-        /// The file.
-        file: String,
-        /// What stands there.
-        found: String,
-    },
-    /// A column has no name, or two have the same.
-    #[error("{file} line 1: column {position} is named `{name}`, {problem}")]
-    ColumnName {
-        /// The file.
-        file: String,
-        /// Position, counted from 1.
-        position: usize,
-        /// The name as it stands there.
-        name: String,
-        /// What is wrong with it.
-        problem: &'static str,
-    },
-    /// A line has another number of values than the header.
-    #[error("{file} line {line}: has {found} values; the header names {expected} columns")]
-    FieldCount {
-        /// The file.
-        file: String,
-        /// Line, counted from 1.
-        line: usize,
-        /// Values found.
-        found: usize,
-        /// Columns in the header.
-        expected: usize,
-    },
-    /// A value is no finite number.
-    #[error(
-        "{file} line {line}, column `{column}`: `{found}` {problem}; a finite number such as 1.25e-3 is needed"
-    )]
-    Value {
-        /// The file.
-        file: String,
-        /// Line, counted from 1.
-        line: usize,
-        /// Column name.
-        column: String,
-        /// The value as it stands there.
-        found: String,
-        /// What is wrong with it.
-        problem: &'static str,
-    },
-    /// Time stands still or runs backward.
-    #[error(
-        "{file} line {line}, column `time`: {found} s comes after {before} s; times must increase from line to line"
-    )]
-    TimeOrder {
-        /// The file.
-        file: String,
-        /// Line, counted from 1.
-        line: usize,
-        /// The time on that line [s].
-        found: f64,
-        /// The time on the line before [s].
-        before: f64,
-    },
-    /// A column that is needed is not there.
-    #[error("{file}: has no column `{name}`; it has {available}")]
-    MissingColumn {
-        /// The file.
-        file: String,
-        /// The column that is needed.
-        name: String,
-        /// The columns it has.
-        available: String,
-    },
-    /// A series has another length than the time column.
-    #[error("{file}: column `{name}` has {found} values, `time` has {expected}")]
-    Length {
-        /// The file or what stands for it.
-        file: String,
-        /// The column.
-        name: String,
-        /// Its number of values.
-        found: usize,
-        /// Number of times.
-        expected: usize,
-    },
 }
 
 impl Record {
@@ -222,83 +110,6 @@ impl Record {
             source,
         })?;
         Self::parse(&text, &path.display().to_string(), missing)
-    }
-
-    /// Reads a record from the text of a CSV file; `file` names it in messages.
-    ///
-    /// # Errors
-    /// As for [`Record::read`].
-    pub fn parse(text: &str, file: &str, missing: Missing) -> Result<Self, RecordError> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut lines = text
-            .lines()
-            .enumerate()
-            .filter(|(_, line)| !line.trim().is_empty());
-        let Some((_, header)) = lines.next() else {
-            return Err(RecordError::Empty {
-                file: file.to_owned(),
-            });
-        };
-        let names = parse_header(header, file)?;
-        let mut series: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
-        for (index, line) in lines {
-            let line_number = index + 1;
-            let found = line.split(',').count();
-            if found != names.len() {
-                return Err(RecordError::FieldCount {
-                    file: file.to_owned(),
-                    line: line_number,
-                    found,
-                    expected: names.len(),
-                });
-            }
-            for (position, field) in line.split(',').enumerate() {
-                // A sample without its time has no place in the record, whatever is done about other missing values.
-                let rule = if position == 0 {
-                    Missing::Refuse
-                } else {
-                    missing
-                };
-                let value =
-                    parse_value(field.trim(), rule).map_err(|problem| RecordError::Value {
-                        file: file.to_owned(),
-                        line: line_number,
-                        column: names[position].clone(),
-                        found: field.trim().to_owned(),
-                        problem,
-                    })?;
-                if position == 0
-                    && let Some(&before) = series[0].last()
-                    && value <= before
-                {
-                    return Err(RecordError::TimeOrder {
-                        file: file.to_owned(),
-                        line: line_number,
-                        found: value,
-                        before,
-                    });
-                }
-                series[position].push(value);
-            }
-        }
-        let mut series = series.into_iter();
-        let time = series.next().unwrap_or_default();
-        if time.is_empty() {
-            return Err(RecordError::NoSamples {
-                file: file.to_owned(),
-            });
-        }
-        let columns = names
-            .into_iter()
-            .skip(1)
-            .zip(series)
-            .map(|(name, values)| Column { name, values })
-            .collect();
-        Ok(Self {
-            source: file.to_owned(),
-            time,
-            columns,
-        })
     }
 
     /// The record as CSV; reading it back gives the same numbers bit for bit.
@@ -469,31 +280,6 @@ fn check_times(file: &str, time: &[f64]) -> Result<(), RecordError> {
     Ok(())
 }
 
-fn parse_header(header: &str, file: &str) -> Result<Vec<String>, RecordError> {
-    let mut names: Vec<String> = Vec::new();
-    for (index, field) in header.split(',').enumerate() {
-        let name = field.trim().trim_matches('"').to_owned();
-        if index == 0 {
-            if name != "time" {
-                return Err(RecordError::TimeNotFirst {
-                    file: file.to_owned(),
-                    found: name,
-                });
-            }
-        } else if let Some(problem) = name_problem(&name, names.iter().skip(1).map(String::as_str))
-        {
-            return Err(RecordError::ColumnName {
-                file: file.to_owned(),
-                position: index + 1,
-                name,
-                problem,
-            });
-        }
-        names.push(name);
-    }
-    Ok(names)
-}
-
 fn name_problem<'a>(name: &str, mut others: impl Iterator<Item = &'a str>) -> Option<&'static str> {
     if name.is_empty() {
         Some("which is empty; name a variable of the FMU")
@@ -503,21 +289,6 @@ fn name_problem<'a>(name: &str, mut others: impl Iterator<Item = &'a str>) -> Op
         Some("which contains a comma, a quote or a line break")
     } else {
         None
-    }
-}
-
-fn parse_value(field: &str, missing: Missing) -> Result<f64, &'static str> {
-    if field.is_empty() {
-        return match missing {
-            Missing::Refuse => Err("is empty"),
-            Missing::KeepAsNan => Ok(f64::NAN),
-        };
-    }
-    match field.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        Ok(value) if value.is_nan() && missing == Missing::KeepAsNan => Ok(f64::NAN),
-        Ok(_) => Err("is not finite"),
-        Err(_) => Err("is not a number"),
     }
 }
 
