@@ -13,6 +13,8 @@ use crate::analysis::motion::{Evidence, thirds};
 const PARTS: usize = 4;
 /// Share of the range by which a velocity must have been below the middle before crossing it counts.
 const HYSTERESIS: f64 = 0.1;
+/// Change of a velocity over a part, relative to one more than its size, below which its slope is rounding.
+const FLAT: f64 = 1e-11;
 /// Range of a velocity [rad/s] below which it has no cycle.
 const SMALLEST_RANGE: f64 = 1e-6;
 
@@ -27,6 +29,8 @@ pub struct Watch {
     resting: f64,
     /// Whether the velocity has been low enough for the next crossing to count.
     armed: bool,
+    /// Whether the velocity rose when it last changed.
+    rising: Option<bool>,
     crossings: u64,
     /// Time of the first and last crossing with the time stuck until then [s].
     first: (f64, f64),
@@ -53,6 +57,7 @@ impl Watch {
             evidence: Evidence::default(),
             resting: 0.0,
             armed: false,
+            rising: None,
             crossings: 0,
             first: (0.0, 0.0),
             last: (0.0, 0.0),
@@ -102,15 +107,23 @@ impl Watch {
         let (middle, low) = (self.middle(), self.low());
         let mut before = (from, value(from), slope(from));
         self.see_value(part, before.1);
-        for step in 1..=PARTS {
+        for step in 0..=PARTS {
             let time = from + (to - from) * step as f64 / PARTS as f64;
             let after = (time, value(time), slope(time));
-            if (before.2 > 0.0) != (after.2 > 0.0) {
-                let extremum = value(root(slope, before.0, after.0));
-                self.see_value(part, extremum);
-                if part == Part::Late {
-                    self.keep_extremum(extremum);
+            let flat = FLAT * (1.0 + after.1.abs()) * PARTS as f64 / (to - from);
+            if after.2.abs() > flat {
+                let rises = after.2 > 0.0;
+                if self.rising == Some(!rises) {
+                    // Segments may end at an extremum, where the slope is rounding or jumps.
+                    let within = step > 0 && before.2.abs() > flat && (before.2 > 0.0) != rises;
+                    let extremum = if within {
+                        value(root(slope, before.0, after.0))
+                    } else {
+                        before.1
+                    };
+                    self.see_extremum(part, extremum);
                 }
+                self.rising = Some(rises);
             }
             self.see_value(part, after.1);
             if part == Part::Late {
@@ -120,6 +133,13 @@ impl Watch {
                 }
             }
             before = after;
+        }
+    }
+
+    fn see_extremum(&mut self, part: Part, value: f64) {
+        self.see_value(part, value);
+        if part == Part::Late {
+            self.keep_extremum(value);
         }
     }
 
