@@ -9,4 +9,5 @@ mod system;
 pub use error::IntegrationError;
 pub use simulation::{Options, Segment, Simulation, Snapshot, SwitchEvent};
 pub use statistics::Statistics;
+pub(crate) use step_size::from_last_terms as step_from_last_terms;
 pub use system::{Guard, HybridSystem};

@@ -371,14 +371,26 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
     /// Computes the segment that starts at `start` and finds its end.
     fn expand(&mut self) -> Result<(), IntegrationError> {
         let order = self.options.order;
-        self.system.expand(
-            &self.mode,
-            self.start,
-            &self.state,
-            &self.inputs,
-            order,
-            &mut self.jet,
-        );
+        let settled = !self.departing
+            && self.system.expand_without_transients(
+                &self.mode,
+                self.start,
+                &self.state,
+                &self.inputs,
+                order,
+                self.options.tolerance,
+                &mut self.jet,
+            );
+        if !settled {
+            self.system.expand(
+                &self.mode,
+                self.start,
+                &self.state,
+                &self.inputs,
+                order,
+                &mut self.jet,
+            );
+        }
         self.statistics.segments += 1;
         let mut step = self.step_length();
         if step.is_nan() {

@@ -22,7 +22,7 @@ fn rough_exp(x: f64) -> f64 {
 /// The longest step at which neither of the last two terms of a series exceeds the tolerance.
 ///
 /// `last` and `before` are the largest |coefficient|/tolerance of orders `order` and `order` − 1.
-pub(super) fn from_last_terms(last: f64, before: f64, order: usize) -> f64 {
+pub(crate) fn from_last_terms(last: f64, before: f64, order: usize) -> f64 {
     let mut exponent = f64::INFINITY;
     if last > 0.0 {
         exponent = -rough_ln(last) / order as f64;

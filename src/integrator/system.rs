@@ -42,6 +42,23 @@ pub trait HybridSystem<S: Scalar> {
         jet: &mut Self::Jet,
     );
 
+    /// As [`Self::expand`], but for the motion without fast transients, whose series reach further:
+    /// only if `state` has none left within `tolerance` (absolute for coordinates, else relative to
+    /// 1 + |x|). Whether that is so; if not, `jet` is left without meaning.
+    #[allow(clippy::too_many_arguments)]
+    fn expand_without_transients(
+        &self,
+        _mode: &Self::Mode,
+        _time: S,
+        _state: &Self::State,
+        _inputs: &Self::Inputs,
+        _order: usize,
+        _tolerance: f64,
+        _jet: &mut Self::Jet,
+    ) -> bool {
+        false
+    }
+
     /// The state's series in an expanded jet.
     fn states<'a>(&self, jet: &'a Self::Jet) -> &'a [Series<S>];
 

@@ -7,6 +7,7 @@
 use super::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
 use super::inputs::recentre;
 use super::linear_parts::LinearParts;
+use super::slow_motion::SlowMotion;
 use super::{Coupling, Rig, RigGuard, RigInputs, RigMode, RigState, STATES};
 use crate::friction::{ContactMode, HARMONICS, Law, RandomFunction, Slip, SlipJet};
 use crate::integrator::Guard;
@@ -71,11 +72,20 @@ pub struct RigJet<S> {
     pub(super) motor_torque: Series<S>,
     pub(super) twist: Series<S>,
     pub(super) voltage: Series<S>,
-    voltage_is_constant: bool,
+    pub(super) voltage_is_constant: bool,
     pub(super) parts: LinearParts<S>,
+    slow: SlowMotions<S>,
     pub(super) effects: Option<Box<EffectJet<S>>>,
     pub(super) guards: Vec<Guard<S, RigGuard>>,
     pub(super) order: usize,
+}
+
+/// Slow manifolds of the two rigs, by number of slow variables; `InUse` while one is at work.
+#[derive(Clone, Debug)]
+enum SlowMotions<S> {
+    Reduced(Box<SlowMotion<S, 2>>),
+    Full(Box<SlowMotion<S, 4>>),
+    InUse,
 }
 
 /// Series that only the effects need.
@@ -135,6 +145,11 @@ impl<S: Scalar> RigJet<S> {
             voltage: zero,
             voltage_is_constant: true,
             parts: LinearParts::new(rig),
+            slow: if rig.outer.is_some() {
+                SlowMotions::Full(Box::new(SlowMotion::new()))
+            } else {
+                SlowMotions::Reduced(Box::new(SlowMotion::new()))
+            },
             effects,
             guards: Vec::new(),
             order: 0,
@@ -175,6 +190,63 @@ impl<S: Scalar> Rig<S> {
         order: usize,
         jet: &mut RigJet<S>,
     ) {
+        let varying = self.start(time, state, inputs, order, jet);
+        if jet.effects.is_none() {
+            self.expand_plain(mode, inputs, order, jet);
+            self.set_guards(mode, jet);
+            return;
+        }
+        let bodies = Bodies::new(self, mode, inputs);
+        jet.disc.constant_torque = bodies.disc_slip.constant_torque;
+        for k in 0..=order {
+            bodies.expand_order(k, mode, time, varying, jet);
+        }
+        self.set_guards(mode, jet);
+    }
+
+    /// As [`Self::expand_motion`], on the slow manifold if `state` lies on it within `tolerance`;
+    /// whether it does.
+    #[allow(clippy::too_many_arguments)]
+    pub fn expand_without_transients(
+        &self,
+        mode: &RigMode,
+        time: S,
+        state: &RigState<S>,
+        inputs: &RigInputs<S>,
+        order: usize,
+        tolerance: f64,
+        jet: &mut RigJet<S>,
+    ) -> bool {
+        if jet.effects.is_some() {
+            return false;
+        }
+        self.start(time, state, inputs, order, jet);
+        let mut motions = std::mem::replace(&mut jet.slow, SlowMotions::InUse);
+        let found = match &mut motions {
+            SlowMotions::Reduced(work) => {
+                self.expand_slow_motion(mode, state, inputs, order, tolerance, work, jet)
+            }
+            SlowMotions::Full(work) => {
+                self.expand_slow_motion(mode, state, inputs, order, tolerance, work, jet)
+            }
+            SlowMotions::InUse => false,
+        };
+        jet.slow = motions;
+        if found {
+            self.set_guards(mode, jet);
+        }
+        found
+    }
+
+    /// Puts state and inputs into `jet`; whether effects make the load vary.
+    fn start(
+        &self,
+        time: S,
+        state: &RigState<S>,
+        inputs: &RigInputs<S>,
+        order: usize,
+        jet: &mut RigJet<S>,
+    ) -> bool {
         jet.order = order;
         for (series, &value) in jet.states.iter_mut().zip(state) {
             series[0] = value;
@@ -205,17 +277,7 @@ impl<S: Scalar> Rig<S> {
                 pin.load[0] = S::constant(1.0);
             }
         }
-        if jet.effects.is_none() {
-            self.expand_plain(mode, inputs, order, jet);
-            self.set_guards(mode, jet);
-            return;
-        }
-        let bodies = Bodies::new(self, mode, inputs);
-        jet.disc.constant_torque = bodies.disc_slip.constant_torque;
-        for k in 0..=order {
-            bodies.expand_order(k, mode, time, varying, jet);
-        }
-        self.set_guards(mode, jet);
+        varying
     }
 
     /// Puts the normal force × radius before any factor that varies with angle or time into the

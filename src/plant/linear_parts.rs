@@ -27,11 +27,14 @@ pub(super) struct LinearParts<S> {
     pub back_emf: S,
     /// 1/L.
     pub inverse_inductance: S,
+    /// Rate at which a velocity that counts as zero decays while D2 sticks [1/s].
+    pub decay: S,
     /// The same of disc D1 and its shaft; zero in the reduced rig.
     pub stiffness_1: S,
     pub damping_1: S,
     pub inertia_1: S,
     pub inverse_inertia_1: S,
+    pub decay_1: S,
 }
 
 impl<S: Scalar> LinearParts<S> {
@@ -52,6 +55,8 @@ impl<S: Scalar> LinearParts<S> {
             resistance: rig.motor.resistance,
             back_emf: ratio * rig.motor.back_emf_constant,
             inverse_inductance: one / rig.motor.inductance,
+            decay: rig.law.band().1,
+            decay_1: outer.map_or(S::ZERO, |outer| outer.law.band().1),
             stiffness_1: outer.map_or(S::ZERO, |outer| outer.shaft.stiffness),
             damping_1: outer.map_or(S::ZERO, |outer| outer.shaft.damping),
             inertia_1: outer.map_or(S::ZERO, |outer| outer.disc.inertia),

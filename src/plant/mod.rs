@@ -15,6 +15,8 @@ mod plain_motion;
 mod rig;
 mod sections;
 mod sensitivity;
+mod slow_manifold;
+mod slow_motion;
 mod switching;
 
 pub use effects::*;

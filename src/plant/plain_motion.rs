@@ -6,7 +6,7 @@
 use super::expansion::{PinJet, SlipTemplate, contact_order};
 use super::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
 use super::{Rig, RigInputs, RigJet, RigMode};
-use crate::friction::{ContactMode, ExponentialCurve, Law};
+use crate::friction::{ContactMode, ExponentialCurve, Law, Regime};
 use crate::series::{RECIPROCAL, Scalar, Series, TERMS, convolution};
 
 /// A pin contact over one segment.
@@ -108,6 +108,39 @@ impl<'a, S: Scalar> Pin<'a, S> {
             }
         }
     }
+
+    /// Whether the friction torque depends on the slip speed alone.
+    pub fn is_free_of_torques(&self) -> bool {
+        match self {
+            Self::OnCurve { .. } => true,
+            Self::General { mode, .. } => is_reaction(*mode),
+        }
+    }
+
+    /// Coefficient `k` of the friction torque if it is a reaction to the other torques.
+    #[inline(always)]
+    pub fn reaction(
+        &self,
+        k: usize,
+        resisting: S,
+        theta: &Series<S>,
+        omega: &Series<S>,
+        jet: &mut PinJet<S>,
+    ) {
+        if let Self::General { mode, .. } = self
+            && is_reaction(*mode)
+        {
+            self.next_velocity(k, resisting, theta, omega, jet);
+        }
+    }
+}
+
+/// Whether friction in this mode is a reaction that keeps the velocity as it is.
+fn is_reaction(mode: ContactMode) -> bool {
+    matches!(
+        mode,
+        ContactMode::Stuck | ContactMode::Slipping(_, Regime::Holding)
+    )
 }
 
 impl<S: Scalar> Rig<S> {

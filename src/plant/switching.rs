@@ -203,6 +203,20 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
         self.expand_motion(mode, time, state, inputs, order, jet);
     }
 
+    #[inline]
+    fn expand_without_transients(
+        &self,
+        mode: &RigMode,
+        time: S,
+        state: &RigState<S>,
+        inputs: &RigInputs<S>,
+        order: usize,
+        tolerance: f64,
+        jet: &mut RigJet<S>,
+    ) -> bool {
+        Rig::expand_without_transients(self, mode, time, state, inputs, order, tolerance, jet)
+    }
+
     fn states<'a>(&self, jet: &'a RigJet<S>) -> &'a [Series<S>] {
         // The last components are zero for ever unless the rig has the parts they belong to.
         let used = if self.effects.shaft_hysteresis.is_some() {

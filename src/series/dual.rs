@@ -38,6 +38,7 @@ impl<const N: usize> Scalar for Dual<N> {
         value: 0.0,
         derivative: [0.0; N],
     };
+    const HAS_DERIVATIVES: bool = true;
 
     #[inline(always)]
     fn constant(value: f64) -> Self {
@@ -49,6 +50,14 @@ impl<const N: usize> Scalar for Dual<N> {
     #[inline(always)]
     fn value(self) -> f64 {
         self.value
+    }
+    fn derivatives_vanish(differences: &[Self], reference: &[Self], tolerance: f64) -> bool {
+        let largest = |numbers: &[Self], slot: usize| {
+            numbers
+                .iter()
+                .fold(0.0_f64, |size, x| size.max(x.derivative[slot].abs()))
+        };
+        (0..N).all(|slot| largest(differences, slot) <= tolerance * largest(reference, slot))
     }
     fn exp(self) -> Self {
         let e = libm::exp(self.value);

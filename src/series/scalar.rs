@@ -26,11 +26,16 @@ pub trait Scalar:
 {
     /// The number zero with zero derivatives.
     const ZERO: Self;
+    /// Whether the number carries derivatives.
+    const HAS_DERIVATIVES: bool;
 
     /// A number whose derivatives are zero.
     fn constant(value: f64) -> Self;
     /// The number without its derivatives.
     fn value(self) -> f64;
+    /// Whether, for each quantity differentiated by, the derivatives of `differences` are at most
+    /// `tolerance` × the largest derivative among `reference`. True for numbers without derivatives.
+    fn derivatives_vanish(differences: &[Self], reference: &[Self], tolerance: f64) -> bool;
     /// Natural exponential.
     fn exp(self) -> Self;
     /// Natural logarithm.
@@ -50,6 +55,7 @@ pub trait Scalar:
 
 impl Scalar for f64 {
     const ZERO: Self = 0.0;
+    const HAS_DERIVATIVES: bool = false;
 
     #[inline(always)]
     fn constant(value: f64) -> Self {
@@ -58,6 +64,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn value(self) -> f64 {
         self
+    }
+    #[inline(always)]
+    fn derivatives_vanish(_: &[Self], _: &[Self], _: f64) -> bool {
+        true
     }
     #[inline]
     fn exp(self) -> Self {
