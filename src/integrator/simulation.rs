@@ -15,6 +15,10 @@ const INSTANT: f64 = 1e-10;
 /// Relative size below which a leading coefficient of the guard that was just crossed is rounding.
 const ROUNDING: f64 = 1e-11;
 
+/// Share of the tolerance for segments without fast transients: they are as long as it allows, where
+/// the others are kept short, and so more accurate, by the fast modes.
+const SETTLED_SHARE: f64 = 0.01;
+
 /// Orders that the recurrences can carry: they write one coefficient beyond the last.
 const ORDERS: RangeInclusive<usize> = 4..=TERMS - 2;
 
@@ -392,7 +396,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             );
         }
         self.statistics.segments += 1;
-        let mut step = self.step_length();
+        let mut step = self.step_length(if settled { SETTLED_SHARE } else { 1.0 });
         if step.is_nan() {
             let (time, mode) = (self.start.value(), self.system.describe(&self.mode));
             // Coefficients overflow where a time constant is extremely short.
@@ -461,7 +465,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         Ok(())
     }
 
-    fn step_length(&self) -> f64 {
+    fn step_length(&self, share: f64) -> f64 {
         let order = self.options.order;
         let (mut last, mut before) = (0.0_f64, 0.0_f64);
         for (index, series) in self.system.states(&self.jet).iter().enumerate() {
@@ -476,7 +480,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         if last.is_nan() || before.is_nan() {
             return f64::NAN;
         }
-        let tolerance = self.options.tolerance;
+        let tolerance = share * self.options.tolerance;
         from_last_terms(last / tolerance, before / tolerance, order).min(self.options.longest_step)
     }
 }

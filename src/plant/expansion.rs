@@ -7,7 +7,7 @@
 use super::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
 use super::inputs::recentre;
 use super::linear_parts::LinearParts;
-use super::slow_motion::SlowMotion;
+use super::slow_motion::{LOWEST_ORDER, SlowMotion};
 use super::{Coupling, Rig, RigGuard, RigInputs, RigMode, RigState, STATES};
 use crate::friction::{ContactMode, HARMONICS, Law, RandomFunction, Slip, SlipJet};
 use crate::integrator::Guard;
@@ -217,7 +217,7 @@ impl<S: Scalar> Rig<S> {
         tolerance: f64,
         jet: &mut RigJet<S>,
     ) -> bool {
-        if jet.effects.is_some() {
+        if jet.effects.is_some() || order < LOWEST_ORDER || self.is_bistable() {
             return false;
         }
         self.start(time, state, inputs, order, jet);
@@ -236,6 +236,17 @@ impl<S: Scalar> Rig<S> {
             self.set_guards(mode, jet);
         }
         found
+    }
+
+    /// Whether a law holds or frees the slip velocity as the torques lie between or beyond its two
+    /// branches: its switches ask for torques as exact as only the full series gives them.
+    fn is_bistable(&self) -> bool {
+        let wojewoda = |law: &Law<S>| matches!(law, Law::Wojewoda(_));
+        wojewoda(&self.law)
+            || self
+                .outer
+                .as_ref()
+                .is_some_and(|outer| wojewoda(&outer.law))
     }
 
     /// Puts state and inputs into `jet`; whether effects make the load vary.

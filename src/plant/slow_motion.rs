@@ -16,6 +16,8 @@ use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
 /// Order by which it shows whether a motion is on the manifold: what is left out is then far below
 /// the transients that the check is to find.
 const EARLY: usize = 7;
+/// Lowest order at which the fast variables can be told well enough.
+pub(super) const LOWEST_ORDER: usize = 2 * EARLY;
 /// Share of the tolerance that the fast variables may still change in a further pass.
 const SHARE: f64 = 0.01;
 
