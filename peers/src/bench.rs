@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 
+#[cfg(feature = "diffsol")]
+use crate::diffsol_rig;
 use crate::effort::Effort;
 use crate::files::write_atomically;
 use crate::measurement::Run;
 use crate::report::{Findings, Reference, csv, equal_error_tables, page, run_table};
 use crate::systems::{self, System};
-use crate::{cvode, diffsol_rig, ours, plot, python};
+use crate::{cvode, ours, plot, python};
 
 /// Largest difference [rad] between independent converged solutions that still makes a reference.
 const REFERENCE_AGREEMENT: f64 = 1e-9;
@@ -23,6 +25,7 @@ pub enum Solver {
     /// SUNDIALS CVODE, compiled C.
     Cvode,
     /// The Rust crate diffsol; system (a) only.
+    #[cfg(feature = "diffsol")]
     Diffsol,
     /// scipy's LSODA and Radau with functions compiled by numba.
     Scipy,
@@ -78,6 +81,7 @@ pub fn run(options: &Options) -> Result<bool> {
         }
     }
     for system in &systems {
+        #[cfg(feature = "diffsol")]
         if wanted(Solver::Diffsol) && diffsol_rig::knows(system) {
             eprintln!("system {}: {}", system.key, diffsol_rig::NAME);
             runs.extend(diffsol_rig::sweep(system, effort)?);

@@ -5,6 +5,7 @@
 
 mod bench;
 mod cvode;
+#[cfg(feature = "diffsol")]
 mod diffsol_rig;
 mod do_step;
 mod effort;
