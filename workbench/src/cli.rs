@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use crate::build::{self, BuildArguments};
+use crate::calibrate::{self, command::CalibrateArguments};
 use crate::experiment::{self, command::ExperimentArguments};
 use crate::identify::{self, command::IdentifyArguments};
 use crate::info::{self, InfoArguments};
@@ -44,6 +45,8 @@ pub enum Command {
     Experiment(ExperimentArguments),
     /// Stiffness, damping and frequencies from a user's own tests.
     Identify(IdentifyArguments),
+    /// Find a law's unpublished parameters from published facts.
+    Calibrate(CalibrateArguments),
 }
 
 /// Runs the command that was given.
@@ -58,5 +61,6 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Build(arguments) => build::command(arguments),
         Command::Experiment(arguments) => experiment::command::run(arguments),
         Command::Identify(arguments) => identify::command::run(arguments),
+        Command::Calibrate(arguments) => calibrate::command::run(arguments),
     }
 }

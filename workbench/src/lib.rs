@@ -1,6 +1,7 @@
 //! The workbench behind the command `stickslip`: simulating, mapping and examining the rig.
 //!
 //! One module per command: [`simulate`], [`map`], [`info`], [`build`], [`experiment`], [`identify`]; [`cli`] dispatches. They stand on
+//! One module per command: [`simulate`], [`info`], [`build`], [`experiment`], [`identify`], [`calibrate`]; [`cli`] dispatches. They stand on
 //!
 //! - [`component`]: the native model and FMUs of both versions behind one trait;
 //! - [`files`]: CSV records and writing whole or not at all;
@@ -9,6 +10,7 @@
 
 pub mod analysis;
 pub mod build;
+pub mod calibrate;
 pub mod cli;
 pub mod component;
 pub mod experiment;

@@ -1,0 +1,208 @@
+//! The target file: what is known about the motions, and which parameters are sought.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use stickslip::parameter::ParameterError;
+use stickslip::plant::Rig;
+use thiserror::Error;
+
+/// Why a target file is refused.
+#[derive(Debug, Error)]
+pub enum TargetError {
+    /// The file cannot be read.
+    #[error("cannot read {file}: {source}")]
+    Read {
+        /// The file.
+        file: String,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The text is not a target file.
+    #[error("{file}: {message}")]
+    Syntax {
+        /// The file.
+        file: String,
+        /// What is wrong where.
+        message: String,
+    },
+    /// A value that makes no sense.
+    #[error("{file}: {place}: {message}")]
+    Value {
+        /// The file.
+        file: String,
+        /// Which entry.
+        place: String,
+        /// What is wrong and what would be right.
+        message: String,
+    },
+    /// A parameter that the model does not have or does not allow.
+    #[error("{file}: {source}")]
+    Parameter {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        source: ParameterError,
+    },
+}
+
+/// A number to be met within a relative bar.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Goal {
+    /// Value.
+    pub value: f64,
+    /// Relative distance within which it counts as met.
+    pub bar: f64,
+    /// Weight in the local search.
+    #[serde(default = "one")]
+    pub weight: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// What is known at one operating point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Point {
+    /// ω_ref [rpm].
+    pub speed_rpm: f64,
+    /// N2 [N].
+    pub normal_force: f64,
+    /// Frequency of the velocity [Hz].
+    pub frequency_hz: Option<Goal>,
+    /// Half of the velocity's range [rad/s].
+    pub half_amplitude: Option<Goal>,
+    /// Lowest velocity [rad/s].
+    pub minimum_velocity: Option<Goal>,
+    /// Highest velocity [rad/s].
+    pub maximum_velocity: Option<Goal>,
+    /// Whether the disc sticks.
+    pub sticking: Option<bool>,
+    /// Where the facts come from.
+    pub source: Option<String>,
+}
+
+/// A parameter that is sought, with the range in which.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sought {
+    /// Dotted name, such as `contact.a1`.
+    pub name: String,
+    /// Lowest value.
+    pub minimum: f64,
+    /// Highest value.
+    pub maximum: f64,
+}
+
+/// How the search is done.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Search {
+    /// Number of the random sequence.
+    pub seed: u64,
+    /// Independent global searches.
+    pub starts: usize,
+    /// Members of each search.
+    pub population: usize,
+    /// Most generations of each search.
+    pub generations: usize,
+    /// Smallest margin of the algebraic loop that is accepted on any cycle.
+    pub smallest_loop_margin: f64,
+}
+
+/// A target file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Target {
+    /// How the search is done.
+    pub search: Search,
+    /// What is sought.
+    pub parameter: Vec<Sought>,
+    /// What is known.
+    pub point: Vec<Point>,
+}
+
+impl Target {
+    /// Reads a target file for `rig`.
+    ///
+    /// # Errors
+    /// [`TargetError`], naming the file and the entry.
+    pub fn read(path: &Path, rig: &Rig<f64>) -> Result<Self, TargetError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| TargetError::Read {
+            file: file.clone(),
+            source,
+        })?;
+        Self::parse(&text, &file, rig)
+    }
+
+    /// Reads the text of a target file; `file` names it in messages.
+    ///
+    /// # Errors
+    /// As for [`Target::read`].
+    pub fn parse(text: &str, file: &str, rig: &Rig<f64>) -> Result<Self, TargetError> {
+        let target: Self = toml::from_str(text).map_err(|error| TargetError::Syntax {
+            file: file.to_owned(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        let refuse = |place: String, message: &str| {
+            Err(TargetError::Value {
+                file: file.to_owned(),
+                place,
+                message: message.to_owned(),
+            })
+        };
+        if target.parameter.is_empty() || target.point.is_empty() {
+            return refuse(
+                "[[parameter]], [[point]]".to_owned(),
+                "at least one of each is needed",
+            );
+        }
+        if target.search.population < 5 || target.search.starts == 0 {
+            return refuse(
+                "[search]".to_owned(),
+                "population must be at least 5 and starts at least 1",
+            );
+        }
+        for sought in &target.parameter {
+            if sought.minimum.is_nan() || sought.minimum >= sought.maximum {
+                return refuse(sought.name.clone(), "minimum must be below maximum");
+            }
+            let mut trial = *rig;
+            for bound in [sought.minimum, sought.maximum] {
+                trial.set_parameter(&sought.name, bound).map_err(|source| {
+                    TargetError::Parameter {
+                        file: file.to_owned(),
+                        source,
+                    }
+                })?;
+            }
+        }
+        for point in &target.point {
+            let goals = [
+                point.frequency_hz,
+                point.half_amplitude,
+                point.minimum_velocity,
+                point.maximum_velocity,
+            ];
+            let place = format!("point at {} rpm, {} N", point.speed_rpm, point.normal_force);
+            if goals
+                .iter()
+                .flatten()
+                .any(|goal| goal.value == 0.0 || goal.bar <= 0.0 || goal.weight < 0.0)
+            {
+                return refuse(
+                    place,
+                    "a goal needs a value other than 0, a bar above 0 and a weight of at least 0",
+                );
+            }
+            if goals.iter().all(Option::is_none) && point.sticking.is_none() {
+                return refuse(place, "nothing is stated about it");
+            }
+        }
+        Ok(target)
+    }
+}
