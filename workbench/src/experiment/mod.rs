@@ -4,6 +4,8 @@
 
 mod chapter3;
 mod chapter4;
+mod chapter5;
+mod chapter6;
 pub mod command;
 mod document;
 mod finding;
@@ -25,5 +27,11 @@ pub struct Experiment {
 /// All experiments, in the dissertation's order.
 #[must_use]
 pub fn all() -> Vec<Experiment> {
-    [chapter3::EXPERIMENTS, chapter4::EXPERIMENTS].concat()
+    [
+        chapter3::EXPERIMENTS,
+        chapter4::EXPERIMENTS,
+        chapter5::EXPERIMENTS,
+        chapter6::EXPERIMENTS,
+    ]
+    .concat()
 }

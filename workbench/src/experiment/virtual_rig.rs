@@ -8,6 +8,7 @@ use stickslip::plant::{NormalForceWobble, Rig, RigInputs, STATES, index};
 use stickslip::series::{evaluate, evaluate_derivative};
 
 use super::ExperimentError;
+use crate::analysis::spectrum::Spectrum;
 use crate::random::Random;
 
 const REDUCED_RIG: &str = include_str!("../../../modelDescription/reduced-rig.toml");
@@ -34,14 +35,14 @@ pub const CALIBRATED_MU: TwoGaussianMu<f64> = TwoGaussianMu {
 
 /// Eq. 6-1 with calibrated numbers: the torque at 50 N, whatever the normal force.
 pub const CALIBRATED_TORQUE: TwoGaussianTorque<f64> = TwoGaussianTorque {
-    a1: 1.0,
-    b1: -3.0,
-    c1: 1.3,
-    a2: 0.7,
-    b2: 0.5,
-    c2: 2.6,
-    omega_centre: 7.0,
-    acceleration_semi_axis: 58.0,
+    a1: 1.20872,
+    b1: -2.6386,
+    c1: 1.70164,
+    a2: 0.813994,
+    b2: 1.6114,
+    c2: 3.4198,
+    omega_centre: 5.60654,
+    acceleration_semi_axis: 57.816,
 };
 
 /// rpm in rad/s.
@@ -66,7 +67,14 @@ pub fn two_gaussian_rig() -> Result<Rig<f64>, ExperimentError> {
     Ok(rig)
 }
 
-/// The same with a normal force that varies with the disc's angle.
+/// The reduced rig under the calibrated first law.
+pub fn first_law_rig() -> Result<Rig<f64>, ExperimentError> {
+    let mut rig = reduced_rig()?;
+    rig.law = Law::TwoGaussianTorque(CALIBRATED_TORQUE);
+    Ok(rig)
+}
+
+/// The same under the second law with a normal force that varies with the disc's angle.
 pub fn wobbling_rig(amplitude: f64) -> Result<Rig<f64>, ExperimentError> {
     let mut rig = two_gaussian_rig()?;
     rig.effects.normal_force_wobble = Some(NormalForceWobble {
@@ -250,4 +258,11 @@ pub fn tachometer(velocity: &[f64], seed: u64) -> Vec<f64> {
         .iter()
         .map(|velocity| velocity + TACHOMETER_NOISE * random.normal())
         .collect()
+}
+
+/// Frequency of the strongest peak of a velocity's spectrum above 0.2 Hz [Hz]; NaN where nothing oscillates.
+pub fn peak_frequency(velocity: &[f64], step: f64) -> f64 {
+    Spectrum::new(velocity, step)
+        .and_then(|spectrum| spectrum.peak(0.2))
+        .map_or(f64::NAN, |peak| peak.frequency)
 }

@@ -1,7 +1,5 @@
 //! The ellipse of the phase plane of velocity and acceleration (Fig. 6.1).
 
-use super::local_polynomial::solve;
-
 /// An ellipse with axes along the coordinates: ((ω − centre)/velocity)² + (a/acceleration)² = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ellipse {
@@ -20,37 +18,38 @@ impl Ellipse {
         (acceleration / self.acceleration).atan2((velocity - self.centre) / self.velocity)
     }
 
-    /// The ellipse through points by least squares of p ω² + q a² + r ω = 1 over scaled coordinates; `None` where the points
-    /// lie on no ellipse.
+    /// The ellipse of a recorded cycle: its velocities reach from the centre by the semi-axis to either side, and its
+    /// acceleration axis is the median of |a|/√(1 − x²), x = (ω − centre)/velocity, over the middle of the range.
+    ///
+    /// Ranges and median are robust where a least-squares fit is not: the jump of the torque at breakaway and sticking makes
+    /// spikes of acceleration that belong to no ellipse. A hundredth of the samples at either end of the range is left out.
+    /// `None` with fewer than 50 samples or where nothing moves.
     #[must_use]
-    pub fn fit(velocity: &[f64], acceleration: &[f64]) -> Option<Self> {
-        let largest = |series: &[f64]| series.iter().fold(0.0_f64, |high, x| high.max(x.abs()));
-        let (v, a) = (largest(velocity), largest(acceleration));
-        if velocity.len() != acceleration.len() || v <= 0.0 || a <= 0.0 {
+    pub fn of_cycle(velocity: &[f64], acceleration: &[f64]) -> Option<Self> {
+        if velocity.len() < 50 || velocity.len() != acceleration.len() {
             return None;
         }
-        // An ellipse through the origin (a cycle that sticks) has no constant term, so the term in ω is the one kept at 1.
-        let mut matrix = vec![vec![0.0; 4]; 3];
-        for (velocity, acceleration) in velocity.iter().zip(acceleration) {
-            let (x, y) = (velocity / v, acceleration / a);
-            let terms = [x * x, y * y, 1.0];
-            for row in 0..3 {
-                for column in 0..3 {
-                    matrix[row][column] += terms[row] * terms[column];
-                }
-                matrix[row][3] += terms[row] * x;
-            }
-        }
-        // p x² + q y² + c = x, so (x − 1/2p)² + (q/p) y² = 1/4p² − c/p.
-        let [p, q, c] = solve(matrix)?[..] else {
+        let mut sorted = velocity.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let cut = sorted.len() / 100;
+        let (low, high) = (sorted[cut], sorted[sorted.len() - 1 - cut]);
+        let (centre, semi_axis) = (0.5 * (low + high), 0.5 * (high - low));
+        if semi_axis.is_nan() || semi_axis <= 0.0 {
             return None;
-        };
-        let square = 0.25 / (p * p) - c / p;
-        let ratio = q / p;
-        (p > 0.0 && square > 0.0 && ratio > 0.0).then(|| Self {
-            centre: 0.5 / p * v,
-            velocity: square.sqrt() * v,
-            acceleration: (square / ratio).sqrt() * a,
+        }
+        let mut heights: Vec<f64> = velocity
+            .iter()
+            .zip(acceleration)
+            .map(|(velocity, acceleration)| ((velocity - centre) / semi_axis, acceleration))
+            .filter(|(x, _)| x.abs() < 0.8)
+            .map(|(x, acceleration)| acceleration.abs() / (1.0 - x * x).sqrt())
+            .collect();
+        heights.sort_by(f64::total_cmp);
+        let acceleration = *heights.get(heights.len() / 2)?;
+        (acceleration > 0.0).then_some(Self {
+            centre,
+            velocity: semi_axis,
+            acceleration,
         })
     }
 }
@@ -77,7 +76,7 @@ mod tests {
                 )
             })
             .unzip();
-        let found = Ellipse::fit(&velocity, &acceleration).unwrap();
+        let found = Ellipse::of_cycle(&velocity, &acceleration).unwrap();
         assert!(
             (found.centre / truth.centre - 1.0).abs() < 0.01,
             "{found:?}"

@@ -1,5 +1,7 @@
 //! Two Gaussians through points over the phase-plane angle (Figs 6.2, 6.3, 6.8, 6.9).
 
+use std::f64::consts::PI;
+
 use super::local_polynomial::solve;
 
 /// a1 exp(−((α − b1)/c1)²) + a2 exp(−((α − b2)/c2)²).
@@ -47,7 +49,7 @@ impl TwoGaussians {
         (self.cost(angle, value) / angle.len() as f64).sqrt()
     }
 
-    /// The best fit from several starts by Levenberg and Marquardt's method; `None` with fewer than seven points.
+    /// The best fit with heights up to twice the highest value, from several starts by Levenberg and Marquardt's method; `None` with fewer than seven points.
     #[must_use]
     pub fn fit(angle: &[f64], value: &[f64]) -> Option<Self> {
         if angle.len() < 7 || angle.len() != value.len() {
@@ -61,7 +63,7 @@ impl TwoGaussians {
                     let start = Self {
                         parameters: [0.5 * highest, first, width, 0.5 * highest, second, width],
                     };
-                    let (cost, found) = start.improve(angle, value);
+                    let (cost, found) = start.improve(2.0 * highest, angle, value);
                     if best.is_none_or(|(least, _)| cost < least) {
                         best = Some((cost, found));
                     }
@@ -71,7 +73,17 @@ impl TwoGaussians {
         best.map(|(_, found)| found)
     }
 
-    fn improve(self, angle: &[f64], value: &[f64]) -> (f64, Self) {
+    /// Keeps peaks within a radian of −π … π, widths from 0.05 to 2π and heights from 0 to `height`: without bounds, two
+    /// Gaussians far outside the range imitate any smooth curve and the parameters mean nothing.
+    fn confine(&mut self, height: f64) {
+        for part in self.parameters.chunks_exact_mut(3) {
+            part[0] = part[0].clamp(0.0, height);
+            part[1] = part[1].clamp(-PI - 1.0, PI + 1.0);
+            part[2] = part[2].abs().clamp(0.05, 2.0 * PI);
+        }
+    }
+
+    fn improve(self, height: f64, angle: &[f64], value: &[f64]) -> (f64, Self) {
         let mut here = self;
         let mut cost = here.cost(angle, value);
         let mut damping = 1e-3;
@@ -95,9 +107,9 @@ impl TwoGaussians {
             for (parameter, change) in next.parameters.iter_mut().zip(&step) {
                 *parameter += change;
             }
-            let narrow = next.parameters[2].abs().min(next.parameters[5].abs()) < 0.05;
+            next.confine(height);
             let next_cost = next.cost(angle, value);
-            if next_cost < cost && !narrow {
+            if next_cost < cost {
                 let gain = (cost - next_cost) / cost;
                 (here, cost) = (next, next_cost);
                 damping *= 0.3;
@@ -111,8 +123,6 @@ impl TwoGaussians {
                 }
             }
         }
-        here.parameters[2] = here.parameters[2].abs();
-        here.parameters[5] = here.parameters[5].abs();
         (cost, here)
     }
 }

@@ -1,0 +1,56 @@
+//! A record of the virtual rig with the friction torque that inverse dynamics recovers from it.
+
+use crate::experiment::ExperimentError;
+use crate::experiment::virtual_rig::{
+    Operation, Run, SAMPLE_STEP, encoder, reduced_rig, wobbling_rig,
+};
+use crate::identify::inverse_dynamics::{RecoveredFriction, recover_friction};
+
+use super::wobble::WOBBLE;
+
+/// Samples on either side over which the encoders' angles are smoothed.
+pub const HALF_WIDTH: usize = 6;
+
+/// A record and what was recovered from it.
+pub struct RecordedFriction {
+    /// The run itself.
+    pub run: Run,
+    /// What inverse dynamics makes of its encoders.
+    pub friction: RecoveredFriction,
+    /// N2 over time [N].
+    pub normal_force: Vec<f64>,
+}
+
+/// The record at an operating point [rpm, N].
+pub fn recorded_friction(
+    speed_rpm: f64,
+    normal_force: f64,
+) -> Result<RecordedFriction, ExperimentError> {
+    let run = Run::of(
+        &wobbling_rig(WOBBLE)?,
+        &Operation::steady(speed_rpm, normal_force),
+    )?;
+    let friction = recover_friction(
+        &reduced_rig()?,
+        &encoder(&run.theta),
+        &encoder(&run.theta3),
+        SAMPLE_STEP,
+        HALF_WIDTH,
+    )
+    .ok_or_else(|| ExperimentError::Nothing("the record is too short to smooth".to_owned()))?;
+    let force = run
+        .theta
+        .iter()
+        .map(|theta| normal_force * relative_force(*theta))
+        .collect();
+    Ok(RecordedFriction {
+        run,
+        friction,
+        normal_force: force,
+    })
+}
+
+/// The normal force of the virtual rig at a disc angle, relative to its mean.
+pub fn relative_force(theta: f64) -> f64 {
+    1.0 + WOBBLE * theta.cos()
+}
