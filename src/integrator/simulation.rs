@@ -38,9 +38,9 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            tolerance: 1e-12,
+            tolerance: 1e-10,
             order: 21,
-            longest_step: 0.25,
+            longest_step: 1.0,
             budget: 50_000_000,
         }
     }

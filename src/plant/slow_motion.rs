@@ -13,11 +13,11 @@ use crate::friction::{ContactMode, Regime};
 use crate::integrator::step_from_last_terms;
 use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
 
-/// Order by which it shows whether a motion is on the manifold: what is left out is then far below
-/// the transients that the check is to find.
-const EARLY: usize = 7;
+/// Numbers of orders after which a motion far from the manifold, and one close to it, shows that it is
+/// not on it: what is left out is then below the transients that the check is to find.
+const EARLY: [usize; 2] = [3, 7];
 /// Lowest order at which the fast variables can be told well enough.
-pub(super) const LOWEST_ORDER: usize = 2 * EARLY;
+pub(super) const LOWEST_ORDER: usize = 14;
 /// Share of the tolerance that the fast variables may still change in a further pass.
 const SHARE: f64 = 0.01;
 
@@ -137,22 +137,26 @@ impl<S: Scalar> Rig<S> {
         work.fast = [[S::ZERO; 2]; TERMS];
         let guess = self.guess(&manifold, &parts, fast, work, jet);
         work.fast[..INPUT_TERMS].copy_from_slice(&guess);
-        self.pass(&manifold, &drive, pins, 0..EARLY, work, jet);
-        work.follow(&manifold, EARLY - 2);
-        let shorter = work.fast[0];
-        work.fast[EARLY - 1] = [S::ZERO; 2];
-        work.follow(&manifold, EARLY - 1);
-        let early = work.fast[0];
-        let off = |j: usize| {
-            let left_out = (early[j] - shorter[j]).value().abs();
-            (early[j] - fast[j]).value().abs() > 3.0 * left_out + 2.0 * allowed[j]
-        };
-        if off(0) || off(1) {
-            return false;
+        let mut known = 0;
+        for reach in EARLY {
+            self.pass(&manifold, &drive, pins, known..reach, work, jet);
+            known = reach;
+            work.fast[reach - 1..=reach].fill([S::ZERO; 2]);
+            work.follow(&manifold, reach - 2);
+            let shorter = work.fast[0];
+            work.follow(&manifold, reach - 1);
+            let early = work.fast[0];
+            let off = |j: usize| {
+                let left_out = (early[j] - shorter[j]).value().abs();
+                (early[j] - fast[j]).value().abs() > 3.0 * left_out + 2.0 * allowed[j]
+            };
+            if off(0) || off(1) {
+                return false;
+            }
+            work.fast[..reach].fill([S::ZERO; 2]);
+            work.fast[..INPUT_TERMS].copy_from_slice(&guess);
         }
-        work.fast[..EARLY].fill([S::ZERO; 2]);
-        work.fast[..INPUT_TERMS].copy_from_slice(&guess);
-        self.pass(&manifold, &drive, pins, EARLY..order + 1, work, jet);
+        self.pass(&manifold, &drive, pins, known..order + 1, work, jet);
         work.follow(&manifold, order);
 
         if drive.driven[0] || (N > DISC_1 && drive.driven[1]) {
