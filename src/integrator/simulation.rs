@@ -35,10 +35,15 @@ pub struct Options {
     pub budget: u64,
 }
 
+impl Options {
+    /// The tolerance of a run that asks for none; the FMUs state it in their default experiment.
+    pub const DEFAULT_TOLERANCE: f64 = 1e-10;
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self {
-            tolerance: 1e-10,
+            tolerance: Self::DEFAULT_TOLERANCE,
             order: 21,
             longest_step: 1.0,
             budget: 50_000_000,

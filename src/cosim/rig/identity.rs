@@ -1,13 +1,14 @@
 //! What the XML says of the rigs besides their variables.
 
 use crate::cosim::{DefaultExperiment, Identity};
+use crate::integrator::Options;
 use crate::plant::RigKind;
 
 /// One minute, in steps that show the stick-slip cycle, at the integrator's own tolerance.
 const EXPERIMENT: DefaultExperiment = DefaultExperiment {
     start_time: 0.0,
     stop_time: 60.0,
-    tolerance: 1e-12,
+    tolerance: Options::DEFAULT_TOLERANCE,
     step_size: 0.01,
 };
 
