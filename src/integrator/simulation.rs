@@ -307,6 +307,20 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         self.expand()
     }
 
+    /// Goes on from `time` [s] in the same mode with other inputs and with the state that `change`
+    /// makes of the present one; what was computed beyond is discarded.
+    pub fn continue_from(
+        &mut self,
+        time: f64,
+        inputs: P::Inputs,
+        change: impl FnOnce(&mut P::State),
+    ) -> Result<(), IntegrationError> {
+        self.cut(time)?;
+        self.inputs = inputs;
+        change(&mut self.state);
+        self.expand()
+    }
+
     /// Replaces the system from `time` [s] on, for example after a parameter changed; what was
     /// computed beyond is discarded.
     pub fn set_system(&mut self, time: f64, system: P) -> Result<(), IntegrationError> {

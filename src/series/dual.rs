@@ -1,7 +1,6 @@
 //! Dual numbers: a value with its derivatives with respect to `N` quantities.
 
 use super::Scalar;
-use std::array;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// A value and its `N` forward derivatives.
@@ -16,6 +15,17 @@ pub struct Dual<const N: usize> {
     pub derivative: [f64; N],
 }
 
+/// The derivatives that `derivative` gives slot by slot; a plain loop, which the compiler
+/// vectorises where it does not vectorise `array::from_fn`.
+#[inline(always)]
+fn each<const N: usize>(derivative: impl Fn(usize) -> f64) -> [f64; N] {
+    let mut derivatives = [0.0; N];
+    for (i, d) in derivatives.iter_mut().enumerate() {
+        *d = derivative(i);
+    }
+    derivatives
+}
+
 impl<const N: usize> Dual<N> {
     /// The independent quantity number `slot`: derivative 1 with respect to itself.
     pub fn variable(value: f64, slot: usize) -> Self {
@@ -28,7 +38,7 @@ impl<const N: usize> Dual<N> {
     fn chain(self, value: f64, slope: f64) -> Self {
         Self {
             value,
-            derivative: array::from_fn(|i| slope * self.derivative[i]),
+            derivative: each(|i| slope * self.derivative[i]),
         }
     }
 }
@@ -79,9 +89,7 @@ impl<const N: usize> Scalar for Dual<N> {
         let (along_y, along_x) = (x.value / square, -self.value / square);
         Self {
             value: libm::atan2(self.value, x.value),
-            derivative: array::from_fn(|i| {
-                along_y * self.derivative[i] + along_x * x.derivative[i]
-            }),
+            derivative: each(|i| along_y * self.derivative[i] + along_x * x.derivative[i]),
         }
     }
 }
@@ -92,7 +100,7 @@ impl<const N: usize> Add for Dual<N> {
     fn add(self, other: Self) -> Self {
         Self {
             value: self.value + other.value,
-            derivative: array::from_fn(|i| self.derivative[i] + other.derivative[i]),
+            derivative: each(|i| self.derivative[i] + other.derivative[i]),
         }
     }
 }
@@ -103,7 +111,7 @@ impl<const N: usize> Sub for Dual<N> {
     fn sub(self, other: Self) -> Self {
         Self {
             value: self.value - other.value,
-            derivative: array::from_fn(|i| self.derivative[i] - other.derivative[i]),
+            derivative: each(|i| self.derivative[i] - other.derivative[i]),
         }
     }
 }
@@ -115,9 +123,7 @@ impl<const N: usize> Mul for Dual<N> {
     fn mul(self, other: Self) -> Self {
         Self {
             value: self.value * other.value,
-            derivative: array::from_fn(|i| {
-                self.derivative[i] * other.value + self.value * other.derivative[i]
-            }),
+            derivative: each(|i| self.derivative[i] * other.value + self.value * other.derivative[i]),
         }
     }
 }
@@ -129,9 +135,7 @@ impl<const N: usize> Div for Dual<N> {
         let reciprocal = 1.0 / other.value;
         Self {
             value,
-            derivative: array::from_fn(|i| {
-                (self.derivative[i] - value * other.derivative[i]) * reciprocal
-            }),
+            derivative: each(|i| (self.derivative[i] - value * other.derivative[i]) * reciprocal),
         }
     }
 }
@@ -142,7 +146,7 @@ impl<const N: usize> Neg for Dual<N> {
     fn neg(self) -> Self {
         Self {
             value: -self.value,
-            derivative: array::from_fn(|i| -self.derivative[i]),
+            derivative: each(|i| -self.derivative[i]),
         }
     }
 }

@@ -13,6 +13,7 @@ pub mod build;
 pub mod calibrate;
 pub mod cli;
 pub mod component;
+pub mod diagnose;
 pub mod experiment;
 pub mod files;
 pub mod identify;

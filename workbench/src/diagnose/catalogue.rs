@@ -1,0 +1,416 @@
+//! The catalogue of effects: how each is switched on, which numbers are fitted, from where, what it
+//! is called in records, and what it can be mistaken for.
+
+use super::hypothesis::{Free, Hypothesis};
+use stickslip::friction::{CoulombStiction, Law, Stribeck, TwoGaussianMu};
+use std::convert::Infallible;
+
+/// One physical effect that a model may lack.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Name in findings.
+    pub name: &'static str,
+    /// What it is.
+    pub description: &'static str,
+    /// What it looks like in records.
+    pub signature: &'static str,
+    /// Names of effects that look alike.
+    pub confusable: &'static [&'static str],
+    /// Dotted model parameter and the short name that the records use for it.
+    pub symbols: &'static [(&'static str, &'static str)],
+    form: Form,
+}
+
+/// How an effect enters a hypothesis.
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    /// One number; it starts at `off` (no effect) plus `near`, and where that may lead astray also at
+    /// the `far` values, all in units of `scale`.
+    One {
+        section: &'static str,
+        key: &'static str,
+        scale: f64,
+        low: f64,
+        high: f64,
+        near: f64,
+        far: &'static [f64],
+    },
+    /// Amplitude and phase; other keys of the section are held at given values, one hypothesis each.
+    Polar {
+        section: &'static str,
+        amplitude: &'static str,
+        scale: f64,
+        high: f64,
+        held: &'static [(&'static str, &'static [f64])],
+    },
+    /// Stiffness and relaxation time of the shaft's internal friction.
+    Relaxation,
+    /// Breakaway above sliding.
+    Stiction,
+    /// Sliding friction that falls with speed.
+    Stribeck,
+    /// Eq. 6-2.
+    Hysteresis,
+}
+
+/// All effects that can be named, in a fixed order.
+pub const CATALOGUE: &[Entry] = &[
+    Entry {
+        name: "bearing_friction",
+        description: "dry friction of the disc's bearings, present without normal force",
+        signature: "a constant torque against the motion, also in runs without brake; it sticks",
+        confusable: &["load_cell_bias", "load_exponent"],
+        symbols: &[("bearing_friction.torque", "bearing_T")],
+        form: Form::One { section: "bearing_friction", key: "torque", scale: 0.05, low: 0.0, high: 2.0, near: 0.01, far: &[0.3, 1.0] },
+    },
+    Entry {
+        name: "normal_force_wobble",
+        description: "a normal force that varies once per turn of the disc",
+        signature: "residual torque at the first order of the disc angle, in proportion to the normal force",
+        confusable: &["unbalance", "position_friction"],
+        symbols: &[("normal_force_wobble.amplitude", "wobble_a"), ("normal_force_wobble.phase", "wobble_ph")],
+        form: Form::Polar { section: "normal_force_wobble", amplitude: "amplitude", scale: 0.25, high: 0.95, held: &[] },
+    },
+    Entry {
+        name: "position_friction",
+        description: "friction that varies twice per turn of the disc",
+        signature: "residual torque at the second order of the disc angle, in proportion to the normal force",
+        confusable: &["normal_force_wobble"],
+        symbols: &[("position_friction.amplitude", "amplitude"), ("position_friction.phase", "phase")],
+        form: Form::Polar { section: "position_friction", amplitude: "amplitude", scale: 0.25, high: 0.95, held: &[] },
+    },
+    Entry {
+        name: "unbalance",
+        description: "a disc whose centre of mass is off the axis",
+        signature: "residual torque at the first order of the disc angle, also without brake",
+        confusable: &["normal_force_wobble"],
+        symbols: &[("unbalance.torque", "unbal_T"), ("unbalance.phase", "unbal_ph")],
+        form: Form::Polar { section: "unbalance", amplitude: "torque", scale: 0.04, high: 2.0, held: &[] },
+    },
+    Entry {
+        name: "viscous_drag",
+        description: "viscous drag on the disc",
+        signature: "residual torque in proportion to the disc's speed",
+        confusable: &["quadratic_drag", "bearing_friction"],
+        symbols: &[("viscous_drag.coefficient", "visc")],
+        form: Form::One { section: "viscous_drag", key: "coefficient", scale: 0.008, low: -0.1, high: 0.5, near: 0.002, far: &[] },
+    },
+    Entry {
+        name: "quadratic_drag",
+        description: "aerodynamic drag on the disc",
+        signature: "residual torque that grows with the square of the disc's speed",
+        confusable: &["viscous_drag"],
+        symbols: &[("quadratic_drag.coefficient", "quad")],
+        form: Form::One { section: "quadratic_drag", key: "coefficient", scale: 0.0012, low: -0.02, high: 0.1, near: 0.002, far: &[] },
+    },
+    Entry {
+        name: "shaft_hardening",
+        description: "a shaft that stiffens with its twist",
+        signature: "residual torque that grows with the cube of the twist, opposite on disc and motor",
+        confusable: &[],
+        symbols: &[("shaft_hardening.cubic_stiffness", "k3")],
+        form: Form::One { section: "shaft_hardening", key: "cubic_stiffness", scale: 0.03, low: -0.3, high: 2.0, near: 0.002, far: &[] },
+    },
+    Entry {
+        name: "shaft_hysteresis",
+        description: "internal friction of the shaft",
+        signature: "a loop of torque over twist that changes with frequency",
+        confusable: &["viscous_drag"],
+        symbols: &[("shaft_hysteresis.stiffness", "stiffness"), ("shaft_hysteresis.relaxation_time", "relaxation_time")],
+        form: Form::Relaxation,
+    },
+    Entry {
+        name: "backlash",
+        description: "play in the shaft's coupling",
+        signature: "no shaft torque around zero twist",
+        confusable: &["shaft_hardening"],
+        symbols: &[("backlash.gap", "backlash")],
+        form: Form::One { section: "backlash", key: "gap", scale: 0.25, low: 0.0, high: 3.0, near: 0.02, far: &[0.2, 0.5, 1.0] },
+    },
+    Entry {
+        name: "gear_ripple",
+        description: "torque ripple of motor or gears",
+        signature: "residual motor torque at a fixed number of cycles per turn of the motor",
+        confusable: &[],
+        symbols: &[("gear_ripple.torque", "cog_T"), ("gear_ripple.phase", "phase")],
+        form: Form::Polar {
+            section: "gear_ripple",
+            amplitude: "torque",
+            scale: 0.06,
+            high: 2.0,
+            held: &[("order", &[1.0, 2.0, 4.0, 6.0])],
+        },
+    },
+    Entry {
+        name: "motor_viscous",
+        description: "viscous friction of the motor beyond the nominal one",
+        signature: "a lower steady speed at a given voltage; the same as a larger back-EMF constant",
+        confusable: &["supply_sag"],
+        symbols: &[("motor_viscous.coefficient", "motor_visc")],
+        form: Form::One { section: "motor_viscous", key: "coefficient", scale: 0.0006, low: -0.005, high: 0.05, near: 0.002, far: &[] },
+    },
+    Entry {
+        name: "supply_sag",
+        description: "a supply whose voltage is lower than commanded",
+        signature: "a lower steady speed; the same as back-EMF constant and resistance larger by one factor",
+        confusable: &["motor_viscous"],
+        symbols: &[("supply_sag.factor", "uscale")],
+        form: Form::One { section: "supply_sag", key: "factor", scale: 1.0, low: 0.3, high: 1.5, near: 0.9995, far: &[] },
+    },
+    Entry {
+        name: "resistance_drift",
+        description: "an armature that warms up",
+        signature: "residual motor torque that grows with time and current",
+        confusable: &["friction_wear"],
+        symbols: &[("resistance_drift.rate_per_minute", "dRdt")],
+        form: Form::One { section: "resistance_drift", key: "rate_per_minute", scale: 0.6, low: -0.9, high: 10.0, near: 0.002, far: &[] },
+    },
+    Entry {
+        name: "load_cell_bias",
+        description: "a load cell with an offset",
+        signature: "friction too high or too low by the same torque at every normal force",
+        confusable: &["bearing_friction", "load_exponent"],
+        symbols: &[("load_cell_bias.bias", "cell_bias")],
+        form: Form::One { section: "load_cell_bias", key: "bias", scale: 4.0, low: -60.0, high: 60.0, near: 0.002, far: &[] },
+    },
+    Entry {
+        name: "friction_wear",
+        description: "friction that changes with time",
+        signature: "residual torque that grows with time, in proportion to the friction",
+        confusable: &["resistance_drift"],
+        symbols: &[("friction_wear.rate_per_minute", "dmudt")],
+        form: Form::One { section: "friction_wear", key: "rate_per_minute", scale: 0.3, low: -0.9, high: 10.0, near: 0.002, far: &[] },
+    },
+    Entry {
+        name: "load_exponent",
+        description: "friction that is not proportional to the normal force",
+        signature: "friction too high at small and too low at large normal force, or the reverse",
+        confusable: &["load_cell_bias", "bearing_friction"],
+        symbols: &[("load_exponent.exponent", "load_exp")],
+        form: Form::One { section: "load_exponent", key: "exponent", scale: 1.0, low: 0.1, high: 3.0, near: 0.999, far: &[] },
+    },
+    Entry {
+        name: "sensor_delay",
+        description: "disc sensors that lag",
+        signature: "disc readings that fit when shifted in time; residual in proportion to speed and acceleration",
+        confusable: &[],
+        symbols: &[("sensor_delay.delay", "delay")],
+        form: Form::One { section: "sensor_delay", key: "delay", scale: 0.03, low: 0.0, high: 0.2, near: 0.002, far: &[] },
+    },
+    Entry {
+        name: "stiction",
+        description: "a breakaway torque above the sliding torque",
+        signature: "longer sticking and a jump of torque at breakaway",
+        confusable: &["stribeck", "acceleration_hysteresis"],
+        symbols: &[("contact.mu_s", "mu_s")],
+        form: Form::Stiction,
+    },
+    Entry {
+        name: "stribeck",
+        description: "sliding friction that falls with the slip velocity",
+        signature: "residual torque over velocity, the same while speeding up and slowing down",
+        confusable: &["stiction", "acceleration_hysteresis"],
+        symbols: &[("contact.mu_c", "mu_c"), ("contact.mu_s", "mu_s"), ("contact.omega_s", "omega_s")],
+        form: Form::Stribeck,
+    },
+    Entry {
+        name: "acceleration_hysteresis",
+        description: "friction that depends on the phase-plane angle of velocity and acceleration (Eq. 6-2)",
+        signature: "residual torque over velocity with different branches for speeding up and slowing down",
+        confusable: &["stribeck"],
+        symbols: &[],
+        form: Form::Hysteresis,
+    },
+];
+
+/// The catalogue's entry of this name.
+pub fn entry(name: &str) -> Option<&'static Entry> {
+    CATALOGUE.iter().find(|entry| entry.name == name)
+}
+
+/// Parameter sets of Eq. 6-2 from which fits start, for a friction coefficient of about 0.15.
+const HYSTERESIS_STARTS: [[f64; 8]; 3] = [
+    [0.271_15, -3.072_46, 1.289_46, 0.185_67, 0.479_60, 2.623_03, 7.159_56, 58.287_3],
+    [0.20, -2.2, 1.3, 0.15, 1.5, 2.5, 6.5, 50.0],
+    [0.35, -2.6, 1.0, 0.15, 1.0, 2.6, 7.0, 45.0],
+];
+const HYSTERESIS_KEYS: [&str; 8] = ["a1", "b1", "c1", "a2", "b2", "c2", "omega_centre", "acceleration_semi_axis"];
+const HYSTERESIS_SCALES: [f64; 8] = [0.2, 1.0, 1.0, 0.2, 1.0, 1.0, 6.0, 50.0];
+
+impl Entry {
+    /// Whether the effect cannot grow from nothing in small steps, so that a poor start says little.
+    pub fn is_nonlinear(&self) -> bool {
+        match self.form {
+            Form::One { far, .. } => !far.is_empty(),
+            Form::Hysteresis | Form::Stribeck | Form::Stiction => true,
+            Form::Polar { .. } | Form::Relaxation => false,
+        }
+    }
+
+    /// The hypotheses from which fits of this effect on top of `base` start; empty if the effect
+    /// makes no sense there.
+    ///
+    /// With `far`, starts far from no effect are among them; without, only one that is hardly
+    /// different from `base` for effects that can grow from nothing.
+    pub fn starts(&self, base: &Hypothesis, far: bool) -> Vec<Hypothesis> {
+        if base.effects.iter().any(|name| name == self.name) {
+            return Vec::new();
+        }
+        let mut hypotheses = match self.form {
+            Form::One { section, key, scale, low, high, near, far: distant } => std::iter::once(&near)
+                .chain(if far { distant } else { &[] })
+                .map(|&start| {
+                    let mut h = base.clone();
+                    switch_on(&mut h, section, &[(key, start * scale)]);
+                    let name = format!("{section}.{key}");
+                    h.free.push(Free::Value { name, scale, low, high });
+                    h.x.push(start);
+                    h
+                })
+                .collect(),
+            Form::Polar { section, amplitude, scale, high, held } => {
+                let (key, values) = held.first().copied().unwrap_or(("", &[0.0]));
+                values
+                    .iter()
+                    .map(|&value| {
+                        let mut h = base.clone();
+                        switch_on(&mut h, section, &[(key, value), (amplitude, 0.001 * scale), ("phase", 0.0)]);
+                        h.free.push(Free::Polar {
+                            amplitude: format!("{section}.{amplitude}"),
+                            phase: format!("{section}.phase"),
+                            scale,
+                            high,
+                        });
+                        h.x.extend([0.001, 0.0]);
+                        h
+                    })
+                    .collect()
+            }
+            Form::Relaxation => [(0.01, 0.1), (0.01, 0.5)]
+                .iter()
+                .map(|&(stiffness, time)| {
+                    let mut h = base.clone();
+                    let section = "shaft_hysteresis";
+                    switch_on(&mut h, section, &[("stiffness", 0.05 * stiffness), ("relaxation_time", time)]);
+                    for (key, scale, low, high, start) in
+                        [("stiffness", 0.05, 0.0, 1.0, stiffness), ("relaxation_time", 1.0, 0.01, 3.0, time)]
+                    {
+                        let name = format!("{section}.{key}");
+                        h.free.push(Free::Value { name, scale, low, high });
+                        h.x.push(start);
+                    }
+                    h
+                })
+                .collect(),
+            Form::Stiction => stiction(base),
+            Form::Stribeck => stribeck(base),
+            Form::Hysteresis => hysteresis(base),
+        };
+        for h in &mut hypotheses {
+            h.effects.push(self.name.to_owned());
+        }
+        hypotheses
+    }
+}
+
+fn switch_on(hypothesis: &mut Hypothesis, section: &str, values: &[(&str, f64)]) {
+    let value = |info: &'static stickslip::parameter::ParameterInfo| {
+        let given = values.iter().find(|(key, _)| *key == info.key).map_or(0.0, |(_, v)| *v);
+        Ok::<f64, Infallible>(given)
+    };
+    let _ = hypothesis.rig.effects.insert(section, value);
+}
+
+/// Takes the friction law's numbers out of what is free.
+fn without_law(base: &Hypothesis) -> Hypothesis {
+    let mut h = base.clone();
+    let mut x = Vec::new();
+    let mut free = Vec::new();
+    let mut at = 0;
+    for f in &base.free {
+        let is_law = matches!(f, Free::Nominal { name, .. } | Free::Value { name, .. } if name.starts_with("contact."));
+        if !is_law {
+            free.push(f.clone());
+            x.extend_from_slice(&base.x[at..at + f.width()]);
+        }
+        at += f.width();
+    }
+    h.free = free;
+    h.x = x;
+    h
+}
+
+fn push_value(h: &mut Hypothesis, key: &str, scale: f64, range: (f64, f64), value: f64) {
+    let name = format!("contact.{key}");
+    h.free.push(Free::Value { name, scale, low: range.0, high: range.1 });
+    h.x.push(value / scale);
+}
+
+fn stiction(base: &Hypothesis) -> Vec<Hypothesis> {
+    let Law::Coulomb(law) = base.rig.law else { return Vec::new() };
+    [1.1, 1.5]
+        .iter()
+        .map(|ratio| {
+            let mut h = base.clone();
+            let mu_s = law.mu_c * ratio;
+            h.rig.law = Law::CoulombStiction(CoulombStiction { mu_c: law.mu_c, mu_s });
+            push_value(&mut h, "mu_s", 0.1, (0.0, 2.0), mu_s);
+            h
+        })
+        .collect()
+}
+
+fn stribeck(base: &Hypothesis) -> Vec<Hypothesis> {
+    let (mu_c, mu_s) = match base.rig.law {
+        Law::Coulomb(law) => (law.mu_c, 1.3 * law.mu_c),
+        Law::CoulombStiction(law) => (law.mu_c, law.mu_s),
+        _ => return Vec::new(),
+    };
+    [0.5, 1.5, 4.0]
+        .iter()
+        .map(|&omega_s| {
+            let mut h = without_law(base);
+            h.rig.law = Law::Stribeck(Stribeck { mu_c: 0.95 * mu_c, mu_s, omega_s });
+            push_value(&mut h, "mu_c", 0.1, (0.0, 2.0), 0.95 * mu_c);
+            push_value(&mut h, "mu_s", 0.1, (0.0, 2.0), mu_s);
+            push_value(&mut h, "omega_s", 1.0, (0.05, 20.0), omega_s);
+            h
+        })
+        .collect()
+}
+
+fn hysteresis(base: &Hypothesis) -> Vec<Hypothesis> {
+    let level = match base.rig.law {
+        Law::Coulomb(law) => law.mu_c,
+        Law::CoulombStiction(law) => law.mu_c,
+        Law::Stribeck(law) => law.mu_c,
+        Law::Karnopp(law) => law.mu_c,
+        Law::Switch(law) => law.mu_c,
+        Law::Wojewoda(_) | Law::TwoGaussianTorque(_) | Law::TwoGaussianMu(_) => return Vec::new(),
+    };
+    HYSTERESIS_STARTS
+        .iter()
+        .map(|start| {
+            let mut h = without_law(base);
+            let mut values = *start;
+            // The published set belongs to a sliding level of about 0.13.
+            values[0] *= level / 0.13;
+            values[3] *= level / 0.13;
+            let mut next = values.iter();
+            let Ok(law) =
+                TwoGaussianMu::from_values(|_| Ok::<f64, Infallible>(next.next().copied().unwrap_or(1.0)));
+            h.rig.law = Law::TwoGaussianMu(law);
+            for ((key, scale), value) in HYSTERESIS_KEYS.iter().zip(HYSTERESIS_SCALES).zip(values) {
+                let range = match *key {
+                    "a1" | "a2" => (-1.0, 2.0),
+                    "b1" | "b2" => (-6.0, 6.0),
+                    "c1" | "c2" => (0.15, 12.0),
+                    "omega_centre" => (0.5, 40.0),
+                    _ => (3.0, 600.0),
+                };
+                push_value(&mut h, key, scale, range, value);
+            }
+            h
+        })
+        .collect()
+}

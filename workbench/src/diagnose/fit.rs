@@ -1,0 +1,286 @@
+//! Fitting a hypothesis to many windows: damped Gauss–Newton steps with exact derivatives.
+
+use super::gram::{FEW_SLOTS, FIRST_FREE, Gram, MANY_SLOTS, window_gram};
+use super::hypothesis::Hypothesis;
+use super::marginal::{Disturbance, Reduced, reduce};
+use super::run::{CHANNELS, Run};
+use super::window::{START_COMPONENTS, Window};
+use nalgebra::{Cholesky, DMatrix, DVector};
+use rayon::prelude::*;
+use stickslip::plant::RigState;
+
+/// Residual size, relative to noise, above which a window counts linearly, not quadratically.
+const ROBUST: f64 = 4.0;
+/// Relative decrease of the loss below which a fit has converged.
+const CONVERGED: f64 = 1e-6;
+
+/// The records and windows that fits work on.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// Records.
+    pub runs: Vec<Run>,
+    /// Windows of all records.
+    pub windows: Vec<Window>,
+    /// Standard deviations of the channels.
+    pub deviations: [f64; CHANNELS],
+}
+
+/// A fitted hypothesis.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The hypothesis at its best values.
+    pub hypothesis: Hypothesis,
+    /// Start of each window.
+    pub starts: Vec<RigState<f64>>,
+    /// Gram matrix of each window at the best values; `None` where the model cannot run.
+    pub grams: Vec<Option<Gram>>,
+    /// Random disturbance that goes with the fit.
+    pub disturbance: Disturbance,
+    /// −2 ln likelihood plus prior.
+    pub loss: f64,
+    /// Steps taken.
+    pub iterations: usize,
+}
+
+/// Robust version of a window's sum of squares and the weight of its derivatives.
+pub fn robust(square: f64, residuals: usize) -> (f64, f64) {
+    let size = (square / residuals as f64).sqrt();
+    if size <= ROBUST {
+        (square, 1.0)
+    } else {
+        (residuals as f64 * ROBUST * (2.0 * size - ROBUST), ROBUST / size)
+    }
+}
+
+fn offset(start: &RigState<f64>, window: &Window) -> [f64; START_COMPONENTS.len()] {
+    std::array::from_fn(|j| start[START_COMPONENTS[j]] - window.anchor[START_COMPONENTS[j]])
+}
+
+/// Gram matrices of all windows under a hypothesis.
+pub fn grams(data: &Data, hypothesis: &Hypothesis, starts: &[RigState<f64>]) -> Vec<Option<Gram>> {
+    if hypothesis.dimension() + FIRST_FREE <= FEW_SLOTS {
+        grams_with_slots::<FEW_SLOTS>(data, hypothesis, starts)
+    } else {
+        grams_with_slots::<MANY_SLOTS>(data, hypothesis, starts)
+    }
+}
+
+fn grams_with_slots<const N: usize>(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    starts: &[RigState<f64>],
+) -> Vec<Option<Gram>> {
+    let Ok(rig) = hypothesis.rig_with_slots::<N>(FIRST_FREE) else {
+        return vec![None; data.windows.len()];
+    };
+    data.windows
+        .par_iter()
+        .zip(starts)
+        .map(|(window, start)| {
+            let run = &data.runs[window.run];
+            window_gram(hypothesis, &rig, run, window, start, &data.deviations, |_, _, _| {}).inspect_err(|e| if std::env::var("DBG").is_ok() { eprintln!("{} {} {e}", run.name, window.first) }).ok()
+        })
+        .collect()
+}
+
+/// Windows with their nuisances integrated out.
+pub fn reduced(
+    data: &Data,
+    starts: &[RigState<f64>],
+    grams: &[Option<Gram>],
+    disturbance: &Disturbance,
+) -> Vec<Option<Reduced>> {
+    grams
+        .iter()
+        .zip(starts)
+        .zip(&data.windows)
+        .map(|((gram, start), window)| {
+            gram.as_ref().and_then(|g| reduce(g, &offset(start, window), &window.deviations, disturbance))
+        })
+        .collect()
+}
+
+/// Loss of a window that the model could not run through: worse than any that it could.
+const FAILED: f64 = 1e5;
+
+fn total_loss(reduced: &[Option<Reduced>], hypothesis: &Hypothesis) -> f64 {
+    let windows: f64 = reduced
+        .iter()
+        .map(|r| r.as_ref().map_or(FAILED, |r| robust(r.square, r.residuals).0 + r.log_determinant))
+        .sum();
+    windows + prior_loss(hypothesis)
+}
+
+fn prior_loss(hypothesis: &Hypothesis) -> f64 {
+    hypothesis.prior_precisions().iter().zip(&hypothesis.x).map(|(p, x)| p * x * x).sum()
+}
+
+/// The relative friction disturbance that explains the windows best.
+fn best_disturbance(data: &Data, starts: &[RigState<f64>], grams: &[Option<Gram>], hypothesis: &Hypothesis) -> Disturbance {
+    let mut best = (f64::INFINITY, Disturbance::NONE);
+    for relative in [0.0, 0.003, 0.006, 0.012, 0.02, 0.03, 0.045, 0.065, 0.1] {
+        let disturbance = Disturbance { relative, ..Disturbance::NONE };
+        let loss = total_loss(&reduced(data, starts, grams, &disturbance), hypothesis);
+        if loss < best.0 {
+            best = (loss, disturbance);
+        }
+    }
+    best.1
+}
+
+/// Fits `hypothesis` from its present values and the given window starts.
+pub fn fit(data: &Data, hypothesis: Hypothesis, starts: Vec<RigState<f64>>, most_iterations: usize) -> Fit {
+    let mut hypothesis = hypothesis;
+    hypothesis.clamp();
+    let mut starts = starts;
+    let mut present = grams(data, &hypothesis, &starts);
+    let mut disturbance = best_disturbance(data, &starts, &present, &hypothesis);
+    let mut forms = reduced(data, &starts, &present, &disturbance);
+    let mut loss = total_loss(&forms, &hypothesis);
+    let mut damping = 1e-4;
+    let mut iterations = 0;
+    let mut quiet = 0;
+    while iterations < most_iterations {
+        iterations += 1;
+        let (curvature, gradient) =
+            normal_equations(forms.iter().flatten(), &hypothesis.prior_precisions(), &hypothesis.x);
+        let mut damped = curvature.clone();
+        for j in 0..damped.nrows() {
+            damped[(j, j)] *= 1.0 + damping;
+        }
+        let Some(cholesky) = Cholesky::new(damped) else { break };
+        let mut trial = hypothesis.clone();
+        let step = cholesky.solve(&gradient);
+        for (x, d) in trial.x.iter_mut().zip(step.iter()) {
+            *x += d;
+        }
+        trial.clamp();
+        let taken = DVector::from_iterator(step.len(), trial.x.iter().zip(&hypothesis.x).map(|(a, b)| a - b));
+        let trial_starts: Vec<RigState<f64>> = starts
+            .iter()
+            .zip(&forms)
+            .map(|(start, form)| {
+                let mut start = *start;
+                if let Some(form) = form {
+                    for (component, change) in START_COMPONENTS.into_iter().zip(form.start_change(&taken)) {
+                        start[component] += change;
+                    }
+                }
+                start
+            })
+            .collect();
+        let trial_grams = grams(data, &trial, &trial_starts);
+        let trial_forms = reduced(data, &trial_starts, &trial_grams, &disturbance);
+        let trial_loss = total_loss(&trial_forms, &trial);
+        let better = trial_loss < loss;
+        let settled = (loss - trial_loss).abs() < CONVERGED * loss.abs().max(1.0) + 0.02;
+        if better {
+            hypothesis = trial;
+            starts = trial_starts;
+            present = trial_grams;
+            damping = (damping * 0.1).max(1e-9);
+            let next = best_disturbance(data, &starts, &present, &hypothesis);
+            if next != disturbance {
+                disturbance = next;
+                forms = reduced(data, &starts, &present, &disturbance);
+                loss = total_loss(&forms, &hypothesis);
+                quiet = 0;
+                continue;
+            }
+            forms = trial_forms;
+            loss = trial_loss;
+        } else {
+            damping *= 30.0;
+        }
+        quiet = if settled { quiet + 1 } else { 0 };
+        if quiet >= 2 || damping > 1e8 || (settled && !better) {
+            break;
+        }
+    }
+    Fit { hypothesis, starts, grams: present, disturbance, loss, iterations }
+}
+
+impl Fit {
+    /// The loss that the quadratic forms promise after one more step.
+    pub fn promised_loss(&self, data: &Data) -> f64 {
+        let h = &self.hypothesis;
+        let forms = self.reduced(data);
+        let (curvature, gradient) = normal_equations(forms.iter().flatten(), &h.prior_precisions(), &h.x);
+        match Cholesky::new(curvature) {
+            Some(cholesky) => self.loss - gradient.dot(&cholesky.solve(&gradient)),
+            None => self.loss,
+        }
+    }
+
+    /// Sum of squares per residual: about 1 where nothing but the sensors' noise is left.
+    pub fn misfit(&self, data: &Data) -> f64 {
+        let forms = self.reduced(data);
+        let square: f64 = forms.iter().flatten().map(|r| r.square).sum();
+        let residuals: usize = forms.iter().flatten().map(|r| r.residuals).sum();
+        square / residuals.max(1) as f64
+    }
+
+    /// Windows with the nuisances integrated out, at the best values.
+    pub fn reduced(&self, data: &Data) -> Vec<Option<Reduced>> {
+        reduced(data, &self.starts, &self.grams, &self.disturbance)
+    }
+
+    /// Covariance of the free numbers.
+    pub fn covariance(&self, data: &Data) -> Option<DMatrix<f64>> {
+        let h = &self.hypothesis;
+        let forms = self.reduced(data);
+        let (curvature, _) = normal_equations(forms.iter().flatten(), &h.prior_precisions(), &h.x);
+        Cholesky::new(curvature).map(|c| c.inverse())
+    }
+
+    /// Loss of each window, judged by what the windows of the other folds teach about the free
+    /// numbers.
+    pub fn held_out_losses(&self, data: &Data, folds: &[usize]) -> Vec<f64> {
+        let h = &self.hypothesis;
+        held_out_losses(&self.reduced(data), &h.prior_precisions(), &h.x, folds)
+    }
+}
+
+/// Loss of each window after the change of the free numbers that is best for the windows of all
+/// other folds.
+pub fn held_out_losses(
+    forms: &[Option<Reduced>],
+    precisions: &[f64],
+    x: &[f64],
+    folds: &[usize],
+) -> Vec<f64> {
+    let mut losses = vec![FAILED; forms.len()];
+    let parts = folds.iter().max().map_or(1, |m| m + 1);
+    for fold in 0..parts {
+        let training = forms.iter().zip(folds).filter(|(_, f)| **f != fold).filter_map(|(form, _)| form.as_ref());
+        let (curvature, gradient) = normal_equations(training, precisions, x);
+        let Some(step) = Cholesky::new(curvature).map(|c| c.solve(&gradient)) else { continue };
+        for ((loss, form), f) in losses.iter_mut().zip(forms).zip(folds) {
+            let Some(form) = form.as_ref().filter(|_| *f == fold) else { continue };
+            let square = form.square - 2.0 * form.gradient.dot(&step) + step.dot(&(&form.curvature * &step));
+            *loss = robust(square.max(0.0), form.residuals).0 + form.log_determinant;
+        }
+    }
+    losses
+}
+
+/// Sum of the windows' quadratic forms and the prior's.
+pub fn normal_equations<'a>(
+    forms: impl Iterator<Item = &'a Reduced>,
+    precisions: &[f64],
+    x: &[f64],
+) -> (DMatrix<f64>, DVector<f64>) {
+    let n = x.len();
+    let mut curvature = DMatrix::zeros(n, n);
+    let mut gradient = DVector::zeros(n);
+    for r in forms {
+        let (_, weight) = robust(r.square, r.residuals);
+        curvature += &r.curvature * weight;
+        gradient += &r.gradient * weight;
+    }
+    for (j, p) in precisions.iter().enumerate() {
+        curvature[(j, j)] += p;
+        gradient[j] -= p * x[j];
+    }
+    (curvature, gradient)
+}

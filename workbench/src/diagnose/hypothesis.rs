@@ -1,0 +1,237 @@
+//! A hypothesis: a rig with some effects, and which of its numbers are free.
+
+use stickslip::parameter::ParameterError;
+use stickslip::plant::{ModelFile, Rig};
+use stickslip::series::{Dual, Scalar};
+
+/// One or two numbers that a fit may change, and how they enter the model.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Free {
+    /// A nominal parameter, known to a relative standard deviation; the number is its relative
+    /// change.
+    Nominal {
+        /// Dotted name.
+        name: String,
+        /// Value in the analyst's model.
+        nominal: f64,
+        /// Relative standard deviation of what is known.
+        deviation: f64,
+    },
+    /// A parameter of an effect; the number is its value over `scale`.
+    Value {
+        /// Dotted name.
+        name: String,
+        /// Size of a full effect, which makes numbers comparable.
+        scale: f64,
+        /// Smallest value.
+        low: f64,
+        /// Largest value.
+        high: f64,
+    },
+    /// An amplitude and its phase, as the two numbers amplitude × (cos, sin)/`scale`.
+    Polar {
+        /// Dotted name of the amplitude.
+        amplitude: String,
+        /// Dotted name of the phase.
+        phase: String,
+        /// Size of a full effect.
+        scale: f64,
+        /// Largest amplitude.
+        high: f64,
+    },
+}
+
+impl Free {
+    /// How many numbers it takes.
+    pub fn width(&self) -> usize {
+        if matches!(self, Self::Polar { .. }) { 2 } else { 1 }
+    }
+}
+
+/// A model with free numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hypothesis {
+    /// Names of the effects added to the analyst's model.
+    pub effects: Vec<String>,
+    /// The rig with the effects switched on.
+    pub rig: Rig<f64>,
+    /// What is free.
+    pub free: Vec<Free>,
+    /// Values of the free numbers.
+    pub x: Vec<f64>,
+}
+
+/// Relative standard deviations [1] of the nominal parameters where the model file states none: what the
+/// records' description gives for the dissertation's rig.
+const NOMINAL_DEVIATIONS: [(&str, f64); 14] = [
+    ("disc.inertia", 0.006),
+    ("shaft.stiffness", 0.02),
+    ("shaft.damping", 0.06),
+    ("motor.resistance", 0.02),
+    ("motor.torque_constant", 0.02),
+    ("motor.back_emf_constant", 0.01),
+    ("motor.coulomb_torque", 0.04),
+    ("contact.mu_c", 0.02),
+    ("contact.mu_s", 0.02),
+    ("contact.a1", 0.02),
+    ("contact.a2", 0.02),
+    ("disc1.inertia", 0.006),
+    ("shaft1.stiffness", 0.02),
+    ("shaft1.damping", 0.06),
+];
+
+impl Hypothesis {
+    /// The analyst's model with its nominal parameters free within their uncertainty.
+    pub fn base(model: &ModelFile) -> Self {
+        let mut free = Vec::new();
+        for parameter in model.rig.parameters() {
+            let stated = model.provenance.get(&parameter.name).and_then(|p| p.relative_uncertainty);
+            let usual = NOMINAL_DEVIATIONS.iter().find(|(name, _)| *name == parameter.name).map(|(_, d)| *d);
+            let nominal = model.rig.parameter(&parameter.name).unwrap_or(0.0);
+            if let Some(deviation) = stated.or(usual).filter(|d| *d > 0.0 && nominal != 0.0) {
+                free.push(Free::Nominal { name: parameter.name, nominal, deviation });
+            }
+        }
+        let x = vec![0.0; free.len()];
+        Self { effects: Vec::new(), rig: model.rig, free, x }
+    }
+
+    /// Number of free numbers.
+    pub fn dimension(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Prior precisions of the free numbers.
+    pub fn prior_precisions(&self) -> Vec<f64> {
+        let mut precisions = Vec::with_capacity(self.x.len());
+        for free in &self.free {
+            match free {
+                Free::Nominal { deviation, .. } => precisions.push(1.0 / (deviation * deviation)),
+                // An effect may well be ten times its usual size.
+                Free::Value { .. } => precisions.push(1e-2),
+                Free::Polar { .. } => precisions.extend([1e-2, 1e-2]),
+            }
+        }
+        precisions
+    }
+
+    /// Moves the free numbers into what their ranges allow.
+    pub fn clamp(&mut self) {
+        let mut at = 0;
+        for free in &self.free {
+            match free {
+                Free::Nominal { deviation, .. } => {
+                    let reach = (12.0 * deviation).min(0.9);
+                    self.x[at] = self.x[at].clamp(-reach, reach);
+                }
+                Free::Value { scale, low, high, .. } => {
+                    self.x[at] = self.x[at].clamp(low / scale, high / scale);
+                }
+                Free::Polar { scale, high, .. } => {
+                    let size = self.x[at].hypot(self.x[at + 1]);
+                    if size > high / scale {
+                        let shrink = high / scale / size;
+                        self.x[at] *= shrink;
+                        self.x[at + 1] *= shrink;
+                    }
+                }
+            }
+            at += free.width();
+        }
+    }
+
+    /// The rig at the present values.
+    pub fn rig_at(&self) -> Result<Rig<f64>, ParameterError> {
+        self.build(&self.x.clone())
+    }
+
+    /// The rig with derivatives with respect to the free numbers in the slots from `first` on.
+    pub fn rig_with_slots<const N: usize>(&self, first: usize) -> Result<Rig<Dual<N>>, ParameterError> {
+        let x: Vec<Dual<N>> = self
+            .x
+            .iter()
+            .enumerate()
+            .map(|(j, &value)| if first + j < N { Dual::variable(value, first + j) } else { Dual::constant(value) })
+            .collect();
+        self.build(&x)
+    }
+
+    fn build<S: Scalar>(&self, x: &[S]) -> Result<Rig<S>, ParameterError> {
+        let mut rig: Rig<S> = self.rig.lift();
+        let mut at = 0;
+        for free in &self.free {
+            match free {
+                Free::Nominal { name, nominal, .. } => {
+                    rig.set_parameter(name, (x[at] + 1.0) * *nominal)?;
+                }
+                Free::Value { name, scale, .. } => rig.set_parameter(name, x[at] * *scale)?,
+                Free::Polar { amplitude, phase, scale, .. } => {
+                    let (c, s) = (x[at], x[at + 1]);
+                    let size = (c * c + s * s + 1e-18).sqrt();
+                    rig.set_parameter(amplitude, size * *scale)?;
+                    rig.set_parameter(phase, s.atan2(c))?;
+                }
+            }
+            at += free.width();
+        }
+        Ok(rig)
+    }
+
+    /// Values and standard deviations of the parameters of what is free, by dotted name, from the
+    /// covariance of the free numbers.
+    pub fn estimates(&self, covariance: impl Fn(usize, usize) -> f64) -> Vec<Estimate> {
+        let mut estimates = Vec::new();
+        let mut at = 0;
+        for free in &self.free {
+            match free {
+                Free::Nominal { name, nominal, .. } => estimates.push(Estimate {
+                    name: name.clone(),
+                    value: nominal * (1.0 + self.x[at]),
+                    deviation: nominal.abs() * covariance(at, at).max(0.0).sqrt(),
+                    is_nominal: true,
+                }),
+                Free::Value { name, scale, .. } => estimates.push(Estimate {
+                    name: name.clone(),
+                    value: scale * self.x[at],
+                    deviation: scale.abs() * covariance(at, at).max(0.0).sqrt(),
+                    is_nominal: false,
+                }),
+                Free::Polar { amplitude, phase, scale, .. } => {
+                    let (c, s) = (self.x[at], self.x[at + 1]);
+                    let size = c.hypot(s).max(1e-12);
+                    let (ec, es) = (c / size, s / size);
+                    let (cc, cs, ss) = (covariance(at, at), covariance(at, at + 1), covariance(at + 1, at + 1));
+                    let along = ec * ec * cc + 2.0 * ec * es * cs + es * es * ss;
+                    let across = es * es * cc - 2.0 * ec * es * cs + ec * ec * ss;
+                    estimates.push(Estimate {
+                        name: amplitude.clone(),
+                        value: scale * size,
+                        deviation: scale * along.max(0.0).sqrt(),
+                        is_nominal: false,
+                    });
+                    estimates.push(Estimate {
+                        name: phase.clone(),
+                        value: s.atan2(c).rem_euclid(std::f64::consts::TAU),
+                        deviation: across.max(0.0).sqrt() / size,
+                        is_nominal: false,
+                    });
+                }
+            }
+            at += free.width();
+        }
+        estimates
+    }
+}
+
+/// An estimated parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Dotted name.
+    pub name: String,
+    /// Value, SI.
+    pub value: f64,
+    /// Standard deviation, SI.
+    pub deviation: f64,
+    /// Whether it is a nominal parameter, not one of an added effect.
+    pub is_nominal: bool,
+}

@@ -1,0 +1,123 @@
+//! Windows: stretches of a record over which the model is restarted from the measured motion.
+
+use super::run::Run;
+use stickslip::plant::{RigState, STATES, index};
+
+/// Length of a window [s].
+pub const LENGTH: f64 = 0.5;
+/// Length of the pieces over which a disturbance torque is held [s].
+pub const PIECE: f64 = 0.05;
+/// State components that a window may start from: all of the reduced rig and the relaxing torque.
+pub const START_COMPONENTS: [usize; 6] = [
+    index::THETA,
+    index::OMEGA,
+    index::THETA3,
+    index::OMEGA3,
+    index::CURRENT,
+    index::RELAXING_TORQUE,
+];
+
+/// A window of one record.
+#[derive(Clone, Debug)]
+pub struct Window {
+    /// Which record.
+    pub run: usize,
+    /// First sample.
+    pub first: usize,
+    /// Last sample.
+    pub last: usize,
+    /// State at the first sample as measured.
+    pub anchor: RigState<f64>,
+    /// Standard deviations with which the anchor is known, in the order of [`START_COMPONENTS`].
+    pub deviations: [f64; 6],
+}
+
+/// How the disc moves about a sample, as far as the readings tell.
+#[derive(Clone, Copy, PartialEq)]
+enum Motion {
+    Stuck,
+    Sliding,
+    Unclear,
+}
+
+/// Cuts a record into windows that start where it is clear whether the disc sticks or slides.
+pub fn windows(run_index: usize, run: &Run, back_emf: f64, resistance: f64) -> Vec<Window> {
+    let per_window = (LENGTH / run.interval()).round().max(4.0) as usize;
+    let mut windows = Vec::new();
+    let mut first = 0;
+    while first + per_window / 2 < run.len() {
+        let mut last = (first + per_window).min(run.len() - 1);
+        // Look for a clear place for the next window to start.
+        let reach = per_window / 2;
+        let clear = (0..reach).find(|d| last + d < run.len() && motion(run, last + d) != Motion::Unclear);
+        last += clear.unwrap_or(0);
+        last = last.min(run.len() - 1);
+        windows.push(window(run_index, run, first, last, back_emf, resistance));
+        first = last;
+    }
+    windows
+}
+
+fn window(run_index: usize, run: &Run, first: usize, last: usize, back_emf: f64, resistance: f64) -> Window {
+    let mut anchor = [0.0; STATES];
+    if first == 0 && run.readings[1][..3.min(run.len())].iter().all(|w| w.abs() < 0.3) {
+        // Every run starts at rest with angles zero.
+        let tiny = 1e-9;
+        return Window { run: run_index, first, last, anchor, deviations: [tiny; 6] };
+    }
+    let stuck = motion(run, first) == Motion::Stuck;
+    let (theta, omega) = line(run, 0, 1, first);
+    let (theta3, omega3) = line(run, 2, 3, first);
+    anchor[index::THETA] = theta;
+    anchor[index::OMEGA] = if stuck { 0.0 } else { omega };
+    anchor[index::THETA3] = theta3;
+    anchor[index::OMEGA3] = omega3;
+    let voltage = run.voltage[first.saturating_sub(1)];
+    anchor[index::CURRENT] = (voltage - back_emf * omega3) / resistance;
+    let disc_velocity = if stuck { 1e-6 } else { 1.0 };
+    Window { run: run_index, first, last, anchor, deviations: [0.5, disc_velocity, 0.1, 0.3, 2.0, 0.05] }
+}
+
+/// Angle and velocity at a sample from the readings around it: the angles less the course that the
+/// velocities describe give the angle, a line through the velocities the velocity.
+fn line(run: &Run, angle: usize, velocity: usize, at: usize) -> (f64, f64) {
+    let low = at.saturating_sub(3);
+    let high = (at + 3).min(run.len() - 1);
+    let n = (high - low + 1) as f64;
+    let t0 = run.time[at];
+    let (mut st, mut stt, mut sv, mut stv) = (0.0, 0.0, 0.0, 0.0);
+    for j in low..=high {
+        let t = run.time[j] - t0;
+        let v = run.readings[velocity][j];
+        st += t;
+        stt += t * t;
+        sv += v;
+        stv += t * v;
+    }
+    let determinant = n * stt - st * st;
+    let slope = (n * stv - st * sv) / determinant;
+    let omega = (sv - slope * st) / n;
+    let mut theta = 0.0;
+    for j in low..=high {
+        let t = run.time[j] - t0;
+        theta += run.readings[angle][j] - omega * t - 0.5 * slope * t * t;
+    }
+    (theta / n, omega)
+}
+
+fn motion(run: &Run, at: usize) -> Motion {
+    let low = at.saturating_sub(6);
+    let high = (at + 6).min(run.len() - 1);
+    let omega = &run.readings[1][low..=high];
+    let mean = omega.iter().sum::<f64>() / omega.len() as f64;
+    let theta = &run.readings[0][low..=high];
+    let span = theta.iter().fold(f64::MIN, |a, b| a.max(*b)) - theta.iter().fold(f64::MAX, |a, b| a.min(*b));
+    let slowest = omega.iter().fold(f64::MAX, |a, b| a.min(b.abs()));
+    if mean.abs() < 0.06 && span < 0.008 {
+        Motion::Stuck
+    } else if slowest > 0.5 {
+        Motion::Sliding
+    } else {
+        Motion::Unclear
+    }
+}
