@@ -238,6 +238,11 @@ const HYSTERESIS_KEYS: [&str; 8] = ["a1", "b1", "c1", "a2", "b2", "c2", "omega_c
 const HYSTERESIS_SCALES: [f64; 8] = [0.2, 1.0, 1.0, 0.2, 1.0, 1.0, 6.0, 50.0];
 
 impl Entry {
+    /// Whether the effect replaces the friction law.
+    pub fn is_law(&self) -> bool {
+        matches!(self.form, Form::Stiction | Form::Stribeck | Form::Hysteresis)
+    }
+
     /// Whether the effect cannot grow from nothing in small steps, so that a poor start says little.
     pub fn is_nonlinear(&self) -> bool {
         match self.form {

@@ -5,6 +5,7 @@
 //! free within their uncertainty and with random friction as a nuisance.
 
 pub mod catalogue;
+pub mod decide;
 pub mod fit;
 pub mod gram;
 pub mod hypothesis;

@@ -1,0 +1,271 @@
+//! From gains to a verdict.
+
+use super::catalogue::entry;
+use super::fit::{Data, Fit, fit};
+use super::hypothesis::{Estimate, Hypothesis};
+use super::search::{Tried, folds, gain, try_all};
+use super::structure::{Structure, structures};
+
+/// Gain in ln likelihood below which no effect is named: on clean records the best of all
+/// candidates stays below it.
+const LEAST_GAIN: f64 = 10.0;
+/// Share of a rival's shortfall that must be certain before the best is called better.
+const RIVAL_MARGIN: f64 = 4.0;
+/// Gain of a residual torque over one coordinate from which on structure is left.
+const STRUCTURE_GAIN: f64 = 30.0;
+/// Misfit per residual above which something is left whatever its structure.
+const MISFIT: f64 = 1.25;
+/// Relative friction disturbance above which it no longer passes for roughness.
+const ROUGHNESS: f64 = 0.08;
+/// Most effects that are added one after the other.
+const MOST_EFFECTS: usize = 3;
+
+/// What the records say about the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The model explains the records as it stands.
+    NothingMissing,
+    /// It does with other nominal parameters.
+    Parameters,
+    /// It does with the effects that were added.
+    Named,
+    /// It does with one of several effects that these records cannot tell apart.
+    Ambiguous,
+    /// No effect of the catalogue explains them.
+    NotInCatalogue,
+}
+
+/// An effect that was added.
+#[derive(Clone, Debug)]
+pub struct Named {
+    /// Name of the effect.
+    pub name: &'static str,
+    /// Probability of being the right one among the catalogue's.
+    pub probability: f64,
+    /// Its parameters.
+    pub estimates: Vec<Estimate>,
+}
+
+/// One line of the ranking.
+#[derive(Clone, Debug)]
+pub struct Ranked {
+    /// Name of the effect.
+    pub name: &'static str,
+    /// Gain in ln likelihood on windows not fitted to.
+    pub gain: f64,
+    /// Interval that covers the gain with 95 % probability.
+    pub interval95: [f64; 2],
+}
+
+/// The whole finding.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Effects that were added, strongest first.
+    pub effects: Vec<Named>,
+    /// Names that cannot be told apart from the first effect.
+    pub alternatives: Vec<&'static str>,
+    /// Every candidate on top of the analyst's model.
+    pub ranking: Vec<Ranked>,
+    /// Where the analyst's model leaves structure, strongest first.
+    pub structure: Vec<Structure>,
+    /// Where the amended model still does, strongest first.
+    pub structure_left: Vec<Structure>,
+    /// Nominal parameters, refitted.
+    pub nominal: Vec<Estimate>,
+    /// The analyst's model with its parameters refitted.
+    pub base: Fit,
+    /// The amended model.
+    pub amended: Fit,
+}
+
+/// What happens in the course of a diagnosis, for a display.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Progress<'a> {
+    /// The nominal parameters are being fitted.
+    Base,
+    /// This effect is being tried as number `round` + 1.
+    Trying {
+        /// Name of the effect.
+        name: &'a str,
+        /// Effects added so far.
+        round: usize,
+    },
+    /// It is being looked for structure in what is left.
+    Locating,
+}
+
+/// Fits the analyst's model within the stated uncertainty of its parameters.
+pub fn fit_base(data: &Data, hypothesis: Hypothesis) -> Fit {
+    let starts = data.windows.iter().map(|window| window.anchor).collect();
+    fit(data, hypothesis, starts, 15)
+}
+
+/// Finds what is missing in `hypothesis`; effects named in `without` are not considered.
+pub fn diagnose(
+    data: &Data,
+    hypothesis: Hypothesis,
+    without: &[String],
+    progress: &mut dyn FnMut(Progress<'_>),
+) -> Diagnosis {
+    progress(Progress::Base);
+    let base = fit_base(data, hypothesis);
+    progress(Progress::Locating);
+    let structure = structures(data, &base);
+    let mut current = base.clone();
+    let mut ranking: Option<Vec<Tried>> = None;
+    let mut rivals: Vec<Vec<&'static str>> = Vec::new();
+    let mut gains = Vec::new();
+    let mut names: Vec<&'static str> = Vec::new();
+    while names.len() < MOST_EFFECTS {
+        let round = names.len();
+        let tried = try_all(data, &current, without, &mut |name| progress(Progress::Trying { name, round }));
+        let accepted = tried.first().filter(|best| best.gain > LEAST_GAIN && best.interval95[0] > 0.0).cloned();
+        if let Some(best) = &accepted {
+            rivals.push(indistinguishable(data, best, &tried));
+            gains.push(best.gain);
+            names.push(best.name);
+            current = best.fit.clone();
+        }
+        ranking.get_or_insert(tried);
+        if accepted.is_none() || is_explained(data, &current) && round > 0 {
+            break;
+        }
+    }
+    drop_superfluous(data, &base, &mut current, &mut names, &mut gains, &mut rivals);
+    progress(Progress::Locating);
+    let structure_left =
+        if names.is_empty() { structure.clone() } else { structures(data, &current) };
+    let left = has_structure(data, &current, &structure_left);
+    let alternatives = rivals.first().cloned().unwrap_or_default();
+    let verdict = if left {
+        Verdict::NotInCatalogue
+    } else if names.is_empty() {
+        if parameters_moved(&base) { Verdict::Parameters } else { Verdict::NothingMissing }
+    } else if !alternatives.is_empty() {
+        Verdict::Ambiguous
+    } else {
+        Verdict::Named
+    };
+    let covariance = current.covariance(data);
+    let variance = |i: usize, j: usize| covariance.as_ref().map_or(f64::INFINITY, |c| c[(i, j)]);
+    let estimates = current.hypothesis.estimates(variance);
+    let (nominal, added): (Vec<Estimate>, Vec<Estimate>) = estimates.into_iter().partition(|e| e.is_nominal);
+    let effects = names
+        .iter()
+        .zip(&rivals)
+        .map(|(&name, rivals)| Named {
+            name,
+            probability: 1.0 / (1.0 + rivals.len() as f64),
+            estimates: belonging(name, &added),
+        })
+        .collect();
+    let ranking = ranking
+        .unwrap_or_default()
+        .iter()
+        .map(|t| Ranked { name: t.name, gain: t.gain, interval95: t.interval95 })
+        .collect();
+    Diagnosis {
+        verdict,
+        effects: if verdict == Verdict::NotInCatalogue { Vec::new() } else { effects },
+        alternatives,
+        ranking,
+        structure,
+        structure_left,
+        nominal,
+        base,
+        amended: current,
+    }
+}
+
+/// The estimates that belong to an effect: those of its own section, or the law's.
+fn belonging(name: &str, estimates: &[Estimate]) -> Vec<Estimate> {
+    let is_law = entry(name).is_some_and(super::catalogue::Entry::is_law);
+    let section = if is_law { "contact." } else { name };
+    estimates.iter().filter(|e| e.name.starts_with(section)).cloned().collect()
+}
+
+/// Names whose shortfall behind the best is not certain.
+fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static str> {
+    let folds = folds(data);
+    let best_losses = best.fit.held_out_losses(data, &folds);
+    tried
+        .iter()
+        .filter(|t| t.name != best.name && t.gain > 0.3 * best.gain)
+        .filter(|t| {
+            let (shortfall, interval) = gain(data, &t.fit.held_out_losses(data, &folds), &best_losses);
+            shortfall < RIVAL_MARGIN || interval[0] < 0.0 && shortfall < 3.0 * RIVAL_MARGIN
+        })
+        .map(|t| t.name)
+        .collect()
+}
+
+/// Takes away effects that the others make superfluous.
+fn drop_superfluous(
+    data: &Data,
+    base: &Fit,
+    current: &mut Fit,
+    names: &mut Vec<&'static str>,
+    gains: &mut Vec<f64>,
+    rivals: &mut Vec<Vec<&'static str>>,
+) {
+    let mut at = 0;
+    while names.len() > 1 && at < names.len() {
+        let mut rest: Option<Fit> = Some(base.clone());
+        for (j, name) in names.iter().enumerate() {
+            if j == at {
+                continue;
+            }
+            rest = rest.and_then(|fitted| refit_with(data, &fitted, name));
+        }
+        let folds = folds(data);
+        let superfluous = rest.filter(|fitted| {
+            let losses = fitted.held_out_losses(data, &folds);
+            let (loss, interval) = gain(data, &losses, &current.held_out_losses(data, &folds));
+            loss < LEAST_GAIN || interval[0] < 0.0 && loss < 3.0 * LEAST_GAIN
+        });
+        match superfluous {
+            Some(fitted) => {
+                *current = fitted;
+                names.remove(at);
+                gains.remove(at);
+                rivals.remove(at);
+            }
+            None => at += 1,
+        }
+    }
+}
+
+/// The best fit of one named effect on top of `base`.
+pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
+    let entry = entry(name)?;
+    let mut best: Option<Fit> = None;
+    for start in entry.starts(&base.hypothesis, true) {
+        if start.dimension() > super::gram::MOST_FREE {
+            continue;
+        }
+        let fitted = fit(data, start, base.starts.clone(), 25);
+        if best.as_ref().is_none_or(|b| fitted.loss < b.loss) {
+            best = Some(fitted);
+        }
+    }
+    best
+}
+
+/// Whether a fit leaves no more than noise, without a look at its structure.
+fn is_explained(data: &Data, fit: &Fit) -> bool {
+    fit.misfit(data) < 1.02 && fit.disturbance.relative < 0.01
+}
+
+fn has_structure(data: &Data, fit: &Fit, structures: &[Structure]) -> bool {
+    let structured =
+        structures.first().is_some_and(|s| s.gain > STRUCTURE_GAIN && s.interval95[0] > 0.0);
+    structured || fit.misfit(data) > MISFIT || fit.disturbance.relative > ROUGHNESS
+}
+
+/// Whether any nominal parameter moved by more than its stated uncertainty allows to overlook.
+fn parameters_moved(base: &Fit) -> bool {
+    let precisions = base.hypothesis.prior_precisions();
+    base.hypothesis.x.iter().zip(precisions).any(|(x, p)| x * x * p > 0.25)
+}
