@@ -19,6 +19,14 @@ impl Direction {
         }
     }
 
+    /// The other sense.
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Forward => Self::Backward,
+            Self::Backward => Self::Forward,
+        }
+    }
+
     /// The sense of a number that is not zero.
     pub fn of(value: f64) -> Self {
         if value < 0.0 {

@@ -324,10 +324,16 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                     Contact::Motor => OMEGA3,
                 };
                 let band = self.law_of(contact).map_or(S::ZERO, |law| law.band().0);
-                if let ContactMode::Slipping(direction, _) = mode.contact(contact) {
-                    state[omega] = band * direction.sign();
-                }
+                let ContactMode::Slipping(direction, _) = mode.contact(contact) else {
+                    return mode;
+                };
+                state[omega] = band * direction.sign();
                 self.mode_at_rest(contact, &mut mode, time, state, inputs, jet);
+                // A velocity that passes through zero goes on the other way, whatever rounding makes
+                // of a torque that is almost zero.
+                if mode.contact(contact) == ContactMode::Slipping(direction, self.first_regime(contact)) {
+                    self.break_away(contact, direction.opposite(), &mut mode);
+                }
             }
             RigGuard::Breakaway(contact, direction) => {
                 self.break_away(contact, direction, &mut mode)

@@ -129,7 +129,7 @@ pub fn diagnose(
             current = best.fit.clone();
         }
         ranking.get_or_insert(tried);
-        if accepted.is_none() || is_explained(data, &current) && round > 0 {
+        if accepted.is_none() || current.is_explained(data) && round > 0 {
             break;
         }
     }
@@ -253,11 +253,6 @@ pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
     best
 }
 
-/// Whether a fit leaves no more than noise, without a look at its structure.
-fn is_explained(data: &Data, fit: &Fit) -> bool {
-    fit.misfit(data) < 1.02 && fit.disturbance.relative < 0.01
-}
-
 fn has_structure(data: &Data, fit: &Fit, structures: &[Structure]) -> bool {
     let structured =
         structures.first().is_some_and(|s| s.gain > STRUCTURE_GAIN && s.interval95[0] > 0.0);
@@ -267,5 +262,5 @@ fn has_structure(data: &Data, fit: &Fit, structures: &[Structure]) -> bool {
 /// Whether any nominal parameter moved by more than its stated uncertainty allows to overlook.
 fn parameters_moved(base: &Fit) -> bool {
     let precisions = base.hypothesis.prior_precisions();
-    base.hypothesis.x.iter().zip(precisions).any(|(x, p)| x * x * p > 0.25)
+    base.hypothesis.x.iter().zip(precisions).any(|(x, p)| x * x * p > 4.0)
 }

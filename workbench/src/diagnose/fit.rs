@@ -101,7 +101,7 @@ pub fn reduced(
 }
 
 /// Loss of a window that the model could not run through: worse than any that it could.
-const FAILED: f64 = 1e5;
+pub const FAILED: f64 = 1e5;
 
 fn total_loss(reduced: &[Option<Reduced>], hypothesis: &Hypothesis) -> f64 {
     let windows: f64 = reduced
@@ -201,6 +201,11 @@ pub fn fit(data: &Data, hypothesis: Hypothesis, starts: Vec<RigState<f64>>, most
 }
 
 impl Fit {
+    /// Whether no more than the sensors' noise is left, even without random friction.
+    pub fn is_explained(&self, data: &Data) -> bool {
+        self.misfit(data) < 1.03 && self.disturbance.relative < 0.01
+    }
+
     /// The loss that the quadratic forms promise after one more step.
     pub fn promised_loss(&self, data: &Data) -> f64 {
         let h = &self.hypothesis;

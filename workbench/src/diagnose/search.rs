@@ -1,7 +1,7 @@
 //! Trying every effect of the catalogue on top of a fitted hypothesis.
 
 use super::catalogue::{CATALOGUE, Entry};
-use super::fit::{Data, Fit, fit};
+use super::fit::{Data, FAILED, Fit, fit};
 
 /// Windows in a row that share a fold: what half of the blocks teach is judged on the other half.
 const BLOCK: usize = 4;
@@ -30,7 +30,12 @@ pub fn folds(data: &Data) -> Vec<usize> {
 
 /// Gain of `candidate` over `base` on windows not fitted to, with its 95 % interval.
 pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
-    let differences: Vec<f64> = base.iter().zip(candidate).map(|(b, c)| 0.5 * (b - c)).collect();
+    // A window that one of the two could not run through says nothing about which is right.
+    let differences: Vec<f64> = base
+        .iter()
+        .zip(candidate)
+        .map(|(&b, &c)| if b >= FAILED || c >= FAILED { 0.0 } else { 0.5 * (b - c) })
+        .collect();
     let blocks: Vec<f64> = differences.chunks(BLOCK).map(|block| block.iter().sum()).collect();
     let total: f64 = blocks.iter().sum();
     let mut state = 0x5DEE_CE66_D1CE_5EED_u64 ^ data.windows.len() as u64;
@@ -52,7 +57,9 @@ pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
 const WRONG: f64 = 1.1;
 /// Loss above the best by which a fit in progress is given up.
 const HOPELESS: f64 = 400.0;
-/// Starts that are followed up although they promise little.
+/// Decrease of the loss that a start must promise to be followed up.
+const LEAST_PROMISE: f64 = 8.0;
+/// Starts that are followed up although others promise much more.
 const FOLLOWED: usize = 6;
 
 /// Fits the entries that make sense on top of `base`: a first look at each start tells from exact
@@ -76,16 +83,19 @@ pub fn try_all(data: &Data, base: &Fit, without: &[String], progress: &mut dyn F
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best = base.loss;
     let mut tried: Vec<Tried> = Vec::new();
+    let mut explained = !wrong;
     for (rank, (promised, entry, start)) in starts.into_iter().enumerate() {
         let mut fitted = start;
-        let gains = promised < base.loss - 2.0;
-        if gains && (rank < FOLLOWED || promised < best + HOPELESS || entry.is_nonlinear()) {
+        let gains = promised < base.loss - LEAST_PROMISE;
+        let rivals = promised < best + HOPELESS;
+        if gains && (rivals || !explained && (rank < FOLLOWED || entry.is_nonlinear())) {
             progress(entry.name);
             fitted = fit(data, fitted.hypothesis, fitted.starts, 5);
             if fitted.iterations >= 5 && fitted.promised_loss(data) < best + HOPELESS {
                 fitted = fit(data, fitted.hypothesis, fitted.starts, 20);
             }
             best = best.min(fitted.loss);
+            explained |= fitted.is_explained(data);
         } else if tried.iter().any(|t| t.name == entry.name) {
             continue;
         }
