@@ -331,7 +331,9 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                 self.mode_at_rest(contact, &mut mode, time, state, inputs, jet);
                 // A velocity that passes through zero goes on the other way, whatever rounding makes
                 // of a torque that is almost zero.
-                if mode.contact(contact) == ContactMode::Slipping(direction, self.first_regime(contact)) {
+                if mode.contact(contact)
+                    == ContactMode::Slipping(direction, self.first_regime(contact))
+                {
                     self.break_away(contact, direction.opposite(), &mut mode);
                 }
             }

@@ -123,7 +123,9 @@ impl<const N: usize> Mul for Dual<N> {
     fn mul(self, other: Self) -> Self {
         Self {
             value: self.value * other.value,
-            derivative: each(|i| self.derivative[i] * other.value + self.value * other.derivative[i]),
+            derivative: each(|i| {
+                self.derivative[i] * other.value + self.value * other.derivative[i]
+            }),
         }
     }
 }

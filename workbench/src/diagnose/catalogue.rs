@@ -2,8 +2,8 @@
 //! is called in records, and what it can be mistaken for.
 
 use super::hypothesis::{Free, Hypothesis};
-use stickslip::friction::{CoulombStiction, Law, Stribeck, TwoGaussianMu};
 use std::convert::Infallible;
+use stickslip::friction::{CoulombStiction, Law, Stribeck, TwoGaussianMu};
 
 /// One physical effect that a model may lack.
 #[derive(Clone, Copy, Debug)]
@@ -61,31 +61,66 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "a constant torque against the motion, also in runs without brake; it sticks",
         confusable: &["load_cell_bias", "load_exponent"],
         symbols: &[("bearing_friction.torque", "bearing_T")],
-        form: Form::One { section: "bearing_friction", key: "torque", scale: 0.05, low: 0.0, high: 2.0, near: 0.01, far: &[0.3, 1.0] },
+        form: Form::One {
+            section: "bearing_friction",
+            key: "torque",
+            scale: 0.05,
+            low: 0.0,
+            high: 2.0,
+            near: 0.01,
+            far: &[0.3, 1.0],
+        },
     },
     Entry {
         name: "normal_force_wobble",
         description: "a normal force that varies once per turn of the disc",
         signature: "residual torque at the first order of the disc angle, in proportion to the normal force",
         confusable: &["unbalance", "position_friction"],
-        symbols: &[("normal_force_wobble.amplitude", "wobble_a"), ("normal_force_wobble.phase", "wobble_ph")],
-        form: Form::Polar { section: "normal_force_wobble", amplitude: "amplitude", scale: 0.25, high: 0.95, held: &[] },
+        symbols: &[
+            ("normal_force_wobble.amplitude", "wobble_a"),
+            ("normal_force_wobble.phase", "wobble_ph"),
+        ],
+        form: Form::Polar {
+            section: "normal_force_wobble",
+            amplitude: "amplitude",
+            scale: 0.25,
+            high: 0.95,
+            held: &[],
+        },
     },
     Entry {
         name: "position_friction",
         description: "friction that varies twice per turn of the disc",
         signature: "residual torque at the second order of the disc angle, in proportion to the normal force",
         confusable: &["normal_force_wobble"],
-        symbols: &[("position_friction.amplitude", "amplitude"), ("position_friction.phase", "phase")],
-        form: Form::Polar { section: "position_friction", amplitude: "amplitude", scale: 0.25, high: 0.95, held: &[] },
+        symbols: &[
+            ("position_friction.amplitude", "amplitude"),
+            ("position_friction.phase", "phase"),
+        ],
+        form: Form::Polar {
+            section: "position_friction",
+            amplitude: "amplitude",
+            scale: 0.25,
+            high: 0.95,
+            held: &[],
+        },
     },
     Entry {
         name: "unbalance",
         description: "a disc whose centre of mass is off the axis",
         signature: "residual torque at the first order of the disc angle, also without brake",
         confusable: &["normal_force_wobble"],
-        symbols: &[("unbalance.torque", "unbal_T"), ("unbalance.phase", "unbal_ph")],
-        form: Form::Polar { section: "unbalance", amplitude: "torque", scale: 0.04, high: 2.0, held: &[] },
+        symbols: &[
+            ("unbalance.torque", "unbal_T"),
+            ("unbalance.phase", "unbal_ph"),
+        ],
+        form: Form::Polar {
+            section: "unbalance",
+            amplitude: "torque",
+            scale: 0.04,
+            high: 2.0,
+            held: &[],
+        },
     },
     Entry {
         name: "viscous_drag",
@@ -93,7 +128,15 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual torque in proportion to the disc's speed",
         confusable: &["quadratic_drag", "bearing_friction"],
         symbols: &[("viscous_drag.coefficient", "visc")],
-        form: Form::One { section: "viscous_drag", key: "coefficient", scale: 0.008, low: -0.1, high: 0.5, near: 0.002, far: &[] },
+        form: Form::One {
+            section: "viscous_drag",
+            key: "coefficient",
+            scale: 0.008,
+            low: -0.1,
+            high: 0.5,
+            near: 0.002,
+            far: &[],
+        },
     },
     Entry {
         name: "quadratic_drag",
@@ -101,7 +144,15 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual torque that grows with the square of the disc's speed",
         confusable: &["viscous_drag"],
         symbols: &[("quadratic_drag.coefficient", "quad")],
-        form: Form::One { section: "quadratic_drag", key: "coefficient", scale: 0.0012, low: -0.02, high: 0.1, near: 0.002, far: &[] },
+        form: Form::One {
+            section: "quadratic_drag",
+            key: "coefficient",
+            scale: 0.0012,
+            low: -0.02,
+            high: 0.1,
+            near: 0.002,
+            far: &[],
+        },
     },
     Entry {
         name: "shaft_hardening",
@@ -109,14 +160,25 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual torque that grows with the cube of the twist, opposite on disc and motor",
         confusable: &[],
         symbols: &[("shaft_hardening.cubic_stiffness", "k3")],
-        form: Form::One { section: "shaft_hardening", key: "cubic_stiffness", scale: 0.03, low: -0.3, high: 2.0, near: 0.002, far: &[] },
+        form: Form::One {
+            section: "shaft_hardening",
+            key: "cubic_stiffness",
+            scale: 0.03,
+            low: -0.3,
+            high: 2.0,
+            near: 0.002,
+            far: &[],
+        },
     },
     Entry {
         name: "shaft_hysteresis",
         description: "internal friction of the shaft",
         signature: "a loop of torque over twist that changes with frequency",
         confusable: &["viscous_drag"],
-        symbols: &[("shaft_hysteresis.stiffness", "stiffness"), ("shaft_hysteresis.relaxation_time", "relaxation_time")],
+        symbols: &[
+            ("shaft_hysteresis.stiffness", "stiffness"),
+            ("shaft_hysteresis.relaxation_time", "relaxation_time"),
+        ],
         form: Form::Relaxation,
     },
     Entry {
@@ -125,14 +187,25 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "no shaft torque around zero twist",
         confusable: &["shaft_hardening"],
         symbols: &[("backlash.gap", "backlash")],
-        form: Form::One { section: "backlash", key: "gap", scale: 0.25, low: 0.0, high: 3.0, near: 0.02, far: &[0.2, 0.5, 1.0] },
+        form: Form::One {
+            section: "backlash",
+            key: "gap",
+            scale: 0.25,
+            low: 0.0,
+            high: 3.0,
+            near: 0.02,
+            far: &[0.2, 0.5, 1.0],
+        },
     },
     Entry {
         name: "gear_ripple",
         description: "torque ripple of motor or gears",
         signature: "residual motor torque at a fixed number of cycles per turn of the motor",
         confusable: &[],
-        symbols: &[("gear_ripple.torque", "cog_T"), ("gear_ripple.phase", "phase")],
+        symbols: &[
+            ("gear_ripple.torque", "cog_T"),
+            ("gear_ripple.phase", "phase"),
+        ],
         form: Form::Polar {
             section: "gear_ripple",
             amplitude: "torque",
@@ -147,7 +220,15 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "a lower steady speed at a given voltage; the same as a larger back-EMF constant",
         confusable: &["supply_sag"],
         symbols: &[("motor_viscous.coefficient", "motor_visc")],
-        form: Form::One { section: "motor_viscous", key: "coefficient", scale: 0.0006, low: -0.005, high: 0.05, near: 0.002, far: &[] },
+        form: Form::One {
+            section: "motor_viscous",
+            key: "coefficient",
+            scale: 0.0006,
+            low: -0.005,
+            high: 0.05,
+            near: 0.002,
+            far: &[],
+        },
     },
     Entry {
         name: "supply_sag",
@@ -155,7 +236,15 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "a lower steady speed; the same as back-EMF constant and resistance larger by one factor",
         confusable: &["motor_viscous"],
         symbols: &[("supply_sag.factor", "uscale")],
-        form: Form::One { section: "supply_sag", key: "factor", scale: 1.0, low: 0.3, high: 1.5, near: 0.9995, far: &[] },
+        form: Form::One {
+            section: "supply_sag",
+            key: "factor",
+            scale: 1.0,
+            low: 0.3,
+            high: 1.5,
+            near: 0.9995,
+            far: &[],
+        },
     },
     Entry {
         name: "resistance_drift",
@@ -163,7 +252,15 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual motor torque that grows with time and current",
         confusable: &["friction_wear"],
         symbols: &[("resistance_drift.rate_per_minute", "dRdt")],
-        form: Form::One { section: "resistance_drift", key: "rate_per_minute", scale: 0.6, low: -0.9, high: 10.0, near: 0.002, far: &[] },
+        form: Form::One {
+            section: "resistance_drift",
+            key: "rate_per_minute",
+            scale: 0.6,
+            low: -0.9,
+            high: 10.0,
+            near: 0.002,
+            far: &[],
+        },
     },
     Entry {
         name: "load_cell_bias",
@@ -171,7 +268,15 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "friction too high or too low by the same torque at every normal force",
         confusable: &["bearing_friction", "load_exponent"],
         symbols: &[("load_cell_bias.bias", "cell_bias")],
-        form: Form::One { section: "load_cell_bias", key: "bias", scale: 4.0, low: -60.0, high: 60.0, near: 0.002, far: &[] },
+        form: Form::One {
+            section: "load_cell_bias",
+            key: "bias",
+            scale: 4.0,
+            low: -60.0,
+            high: 60.0,
+            near: 0.002,
+            far: &[],
+        },
     },
     Entry {
         name: "friction_wear",
@@ -179,7 +284,15 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual torque that grows with time, in proportion to the friction",
         confusable: &["resistance_drift"],
         symbols: &[("friction_wear.rate_per_minute", "dmudt")],
-        form: Form::One { section: "friction_wear", key: "rate_per_minute", scale: 0.3, low: -0.9, high: 10.0, near: 0.002, far: &[] },
+        form: Form::One {
+            section: "friction_wear",
+            key: "rate_per_minute",
+            scale: 0.3,
+            low: -0.9,
+            high: 10.0,
+            near: 0.002,
+            far: &[],
+        },
     },
     Entry {
         name: "load_exponent",
@@ -187,7 +300,15 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "friction too high at small and too low at large normal force, or the reverse",
         confusable: &["load_cell_bias", "bearing_friction"],
         symbols: &[("load_exponent.exponent", "load_exp")],
-        form: Form::One { section: "load_exponent", key: "exponent", scale: 1.0, low: 0.1, high: 3.0, near: 0.999, far: &[] },
+        form: Form::One {
+            section: "load_exponent",
+            key: "exponent",
+            scale: 1.0,
+            low: 0.1,
+            high: 3.0,
+            near: 0.999,
+            far: &[],
+        },
     },
     Entry {
         name: "sensor_delay",
@@ -195,7 +316,15 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "disc readings that fit when shifted in time; residual in proportion to speed and acceleration",
         confusable: &[],
         symbols: &[("sensor_delay.delay", "delay")],
-        form: Form::One { section: "sensor_delay", key: "delay", scale: 0.03, low: 0.0, high: 0.2, near: 0.002, far: &[] },
+        form: Form::One {
+            section: "sensor_delay",
+            key: "delay",
+            scale: 0.03,
+            low: 0.0,
+            high: 0.2,
+            near: 0.002,
+            far: &[],
+        },
     },
     Entry {
         name: "stiction",
@@ -210,7 +339,11 @@ pub const CATALOGUE: &[Entry] = &[
         description: "sliding friction that falls with the slip velocity",
         signature: "residual torque over velocity, the same while speeding up and slowing down",
         confusable: &["stiction", "acceleration_hysteresis"],
-        symbols: &[("contact.mu_c", "mu_c"), ("contact.mu_s", "mu_s"), ("contact.omega_s", "omega_s")],
+        symbols: &[
+            ("contact.mu_c", "mu_c"),
+            ("contact.mu_s", "mu_s"),
+            ("contact.omega_s", "omega_s"),
+        ],
         form: Form::Stribeck,
     },
     Entry {
@@ -230,17 +363,31 @@ pub fn entry(name: &str) -> Option<&'static Entry> {
 
 /// Parameter sets of Eq. 6-2 from which fits start, for a friction coefficient of about 0.15.
 const HYSTERESIS_STARTS: [[f64; 8]; 3] = [
-    [0.271_15, -3.072_46, 1.289_46, 0.185_67, 0.479_60, 2.623_03, 7.159_56, 58.287_3],
+    [
+        0.271_15, -3.072_46, 1.289_46, 0.185_67, 0.479_60, 2.623_03, 7.159_56, 58.287_3,
+    ],
     [0.20, -2.2, 1.3, 0.15, 1.5, 2.5, 6.5, 50.0],
     [0.35, -2.6, 1.0, 0.15, 1.0, 2.6, 7.0, 45.0],
 ];
-const HYSTERESIS_KEYS: [&str; 8] = ["a1", "b1", "c1", "a2", "b2", "c2", "omega_centre", "acceleration_semi_axis"];
+const HYSTERESIS_KEYS: [&str; 8] = [
+    "a1",
+    "b1",
+    "c1",
+    "a2",
+    "b2",
+    "c2",
+    "omega_centre",
+    "acceleration_semi_axis",
+];
 const HYSTERESIS_SCALES: [f64; 8] = [0.2, 1.0, 1.0, 0.2, 1.0, 1.0, 6.0, 50.0];
 
 impl Entry {
     /// Whether the effect replaces the friction law.
     pub fn is_law(&self) -> bool {
-        matches!(self.form, Form::Stiction | Form::Stribeck | Form::Hysteresis)
+        matches!(
+            self.form,
+            Form::Stiction | Form::Stribeck | Form::Hysteresis
+        )
     }
 
     /// Whether the effect cannot grow from nothing in small steps, so that a poor start says little.
@@ -262,24 +409,47 @@ impl Entry {
             return Vec::new();
         }
         let mut hypotheses = match self.form {
-            Form::One { section, key, scale, low, high, near, far: distant } => std::iter::once(&near)
+            Form::One {
+                section,
+                key,
+                scale,
+                low,
+                high,
+                near,
+                far: distant,
+            } => std::iter::once(&near)
                 .chain(if far { distant } else { &[] })
                 .map(|&start| {
                     let mut h = base.clone();
                     switch_on(&mut h, section, &[(key, start * scale)]);
                     let name = format!("{section}.{key}");
-                    h.free.push(Free::Value { name, scale, low, high });
+                    h.free.push(Free::Value {
+                        name,
+                        scale,
+                        low,
+                        high,
+                    });
                     h.x.push(start);
                     h
                 })
                 .collect(),
-            Form::Polar { section, amplitude, scale, high, held } => {
+            Form::Polar {
+                section,
+                amplitude,
+                scale,
+                high,
+                held,
+            } => {
                 let (key, values) = held.first().copied().unwrap_or(("", &[0.0]));
                 values
                     .iter()
                     .map(|&value| {
                         let mut h = base.clone();
-                        switch_on(&mut h, section, &[(key, value), (amplitude, 0.001 * scale), ("phase", 0.0)]);
+                        switch_on(
+                            &mut h,
+                            section,
+                            &[(key, value), (amplitude, 0.001 * scale), ("phase", 0.0)],
+                        );
                         h.free.push(Free::Polar {
                             amplitude: format!("{section}.{amplitude}"),
                             phase: format!("{section}.phase"),
@@ -296,12 +466,22 @@ impl Entry {
                 .map(|&(stiffness, time)| {
                     let mut h = base.clone();
                     let section = "shaft_hysteresis";
-                    switch_on(&mut h, section, &[("stiffness", 0.05 * stiffness), ("relaxation_time", time)]);
-                    for (key, scale, low, high, start) in
-                        [("stiffness", 0.05, 0.0, 1.0, stiffness), ("relaxation_time", 1.0, 0.01, 3.0, time)]
-                    {
+                    switch_on(
+                        &mut h,
+                        section,
+                        &[("stiffness", 0.05 * stiffness), ("relaxation_time", time)],
+                    );
+                    for (key, scale, low, high, start) in [
+                        ("stiffness", 0.05, 0.0, 1.0, stiffness),
+                        ("relaxation_time", 1.0, 0.01, 3.0, time),
+                    ] {
                         let name = format!("{section}.{key}");
-                        h.free.push(Free::Value { name, scale, low, high });
+                        h.free.push(Free::Value {
+                            name,
+                            scale,
+                            low,
+                            high,
+                        });
                         h.x.push(start);
                     }
                     h
@@ -320,7 +500,10 @@ impl Entry {
 
 fn switch_on(hypothesis: &mut Hypothesis, section: &str, values: &[(&str, f64)]) {
     let value = |info: &'static stickslip::parameter::ParameterInfo| {
-        let given = values.iter().find(|(key, _)| *key == info.key).map_or(0.0, |(_, v)| *v);
+        let given = values
+            .iter()
+            .find(|(key, _)| *key == info.key)
+            .map_or(0.0, |(_, v)| *v);
         Ok::<f64, Infallible>(given)
     };
     let _ = hypothesis.rig.effects.insert(section, value);
@@ -347,18 +530,28 @@ fn without_law(base: &Hypothesis) -> Hypothesis {
 
 fn push_value(h: &mut Hypothesis, key: &str, scale: f64, range: (f64, f64), value: f64) {
     let name = format!("contact.{key}");
-    h.free.push(Free::Value { name, scale, low: range.0, high: range.1 });
+    h.free.push(Free::Value {
+        name,
+        scale,
+        low: range.0,
+        high: range.1,
+    });
     h.x.push(value / scale);
 }
 
 fn stiction(base: &Hypothesis) -> Vec<Hypothesis> {
-    let Law::Coulomb(law) = base.rig.law else { return Vec::new() };
+    let Law::Coulomb(law) = base.rig.law else {
+        return Vec::new();
+    };
     [1.1, 1.5]
         .iter()
         .map(|ratio| {
             let mut h = base.clone();
             let mu_s = law.mu_c * ratio;
-            h.rig.law = Law::CoulombStiction(CoulombStiction { mu_c: law.mu_c, mu_s });
+            h.rig.law = Law::CoulombStiction(CoulombStiction {
+                mu_c: law.mu_c,
+                mu_s,
+            });
             push_value(&mut h, "mu_s", 0.1, (0.0, 2.0), mu_s);
             h
         })
@@ -375,7 +568,11 @@ fn stribeck(base: &Hypothesis) -> Vec<Hypothesis> {
         .iter()
         .map(|&omega_s| {
             let mut h = without_law(base);
-            h.rig.law = Law::Stribeck(Stribeck { mu_c: 0.95 * mu_c, mu_s, omega_s });
+            h.rig.law = Law::Stribeck(Stribeck {
+                mu_c: 0.95 * mu_c,
+                mu_s,
+                omega_s,
+            });
             push_value(&mut h, "mu_c", 0.1, (0.0, 2.0), 0.95 * mu_c);
             push_value(&mut h, "mu_s", 0.1, (0.0, 2.0), mu_s);
             push_value(&mut h, "omega_s", 1.0, (0.05, 20.0), omega_s);
@@ -402,8 +599,9 @@ fn hysteresis(base: &Hypothesis) -> Vec<Hypothesis> {
             values[0] *= level / 0.13;
             values[3] *= level / 0.13;
             let mut next = values.iter();
-            let Ok(law) =
-                TwoGaussianMu::from_values(|_| Ok::<f64, Infallible>(next.next().copied().unwrap_or(1.0)));
+            let Ok(law) = TwoGaussianMu::from_values(|_| {
+                Ok::<f64, Infallible>(next.next().copied().unwrap_or(1.0))
+            });
             h.rig.law = Law::TwoGaussianMu(law);
             for ((key, scale), value) in HYSTERESIS_KEYS.iter().zip(HYSTERESIS_SCALES).zip(values) {
                 let range = match *key {

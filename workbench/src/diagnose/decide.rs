@@ -120,8 +120,13 @@ pub fn diagnose(
     let mut names: Vec<&'static str> = Vec::new();
     while names.len() < MOST_EFFECTS {
         let round = names.len();
-        let tried = try_all(data, &current, without, &mut |name| progress(Progress::Trying { name, round }));
-        let accepted = tried.first().filter(|best| best.gain > LEAST_GAIN && best.interval95[0] > 0.0).cloned();
+        let tried = try_all(data, &current, without, &mut |name| {
+            progress(Progress::Trying { name, round })
+        });
+        let accepted = tried
+            .first()
+            .filter(|best| best.gain > LEAST_GAIN && best.interval95[0] > 0.0)
+            .cloned();
         if let Some(best) = &accepted {
             rivals.push(indistinguishable(data, best, &tried));
             gains.push(best.gain);
@@ -133,16 +138,30 @@ pub fn diagnose(
             break;
         }
     }
-    drop_superfluous(data, &base, &mut current, &mut names, &mut gains, &mut rivals);
+    drop_superfluous(
+        data,
+        &base,
+        &mut current,
+        &mut names,
+        &mut gains,
+        &mut rivals,
+    );
     progress(Progress::Locating);
-    let structure_left =
-        if names.is_empty() { structure.clone() } else { structures(data, &current) };
+    let structure_left = if names.is_empty() {
+        structure.clone()
+    } else {
+        structures(data, &current)
+    };
     let left = has_structure(data, &current, &structure_left);
     let alternatives = rivals.first().cloned().unwrap_or_default();
     let verdict = if left {
         Verdict::NotInCatalogue
     } else if names.is_empty() {
-        if parameters_moved(&base) { Verdict::Parameters } else { Verdict::NothingMissing }
+        if parameters_moved(&base) {
+            Verdict::Parameters
+        } else {
+            Verdict::NothingMissing
+        }
     } else if !alternatives.is_empty() {
         Verdict::Ambiguous
     } else {
@@ -151,7 +170,8 @@ pub fn diagnose(
     let covariance = current.covariance(data);
     let variance = |i: usize, j: usize| covariance.as_ref().map_or(f64::INFINITY, |c| c[(i, j)]);
     let estimates = current.hypothesis.estimates(variance);
-    let (nominal, added): (Vec<Estimate>, Vec<Estimate>) = estimates.into_iter().partition(|e| e.is_nominal);
+    let (nominal, added): (Vec<Estimate>, Vec<Estimate>) =
+        estimates.into_iter().partition(|e| e.is_nominal);
     let effects = names
         .iter()
         .zip(&rivals)
@@ -164,11 +184,19 @@ pub fn diagnose(
     let ranking = ranking
         .unwrap_or_default()
         .iter()
-        .map(|t| Ranked { name: t.name, gain: t.gain, interval95: t.interval95 })
+        .map(|t| Ranked {
+            name: t.name,
+            gain: t.gain,
+            interval95: t.interval95,
+        })
         .collect();
     Diagnosis {
         verdict,
-        effects: if verdict == Verdict::NotInCatalogue { Vec::new() } else { effects },
+        effects: if verdict == Verdict::NotInCatalogue {
+            Vec::new()
+        } else {
+            effects
+        },
         alternatives,
         ranking,
         structure,
@@ -183,7 +211,11 @@ pub fn diagnose(
 fn belonging(name: &str, estimates: &[Estimate]) -> Vec<Estimate> {
     let is_law = entry(name).is_some_and(super::catalogue::Entry::is_law);
     let section = if is_law { "contact." } else { name };
-    estimates.iter().filter(|e| e.name.starts_with(section)).cloned().collect()
+    estimates
+        .iter()
+        .filter(|e| e.name.starts_with(section))
+        .cloned()
+        .collect()
 }
 
 /// Names whose shortfall behind the best is not certain.
@@ -194,7 +226,8 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
         .iter()
         .filter(|t| t.name != best.name && t.gain > 0.3 * best.gain)
         .filter(|t| {
-            let (shortfall, interval) = gain(data, &t.fit.held_out_losses(data, &folds), &best_losses);
+            let (shortfall, interval) =
+                gain(data, &t.fit.held_out_losses(data, &folds), &best_losses);
             shortfall < RIVAL_MARGIN || interval[0] < 0.0 && shortfall < 3.0 * RIVAL_MARGIN
         })
         .map(|t| t.name)
@@ -254,13 +287,18 @@ pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
 }
 
 fn has_structure(data: &Data, fit: &Fit, structures: &[Structure]) -> bool {
-    let structured =
-        structures.first().is_some_and(|s| s.gain > STRUCTURE_GAIN && s.interval95[0] > 0.0);
+    let structured = structures
+        .first()
+        .is_some_and(|s| s.gain > STRUCTURE_GAIN && s.interval95[0] > 0.0);
     structured || fit.misfit(data) > MISFIT || fit.disturbance.relative > ROUGHNESS
 }
 
 /// Whether any nominal parameter moved by more than its stated uncertainty allows to overlook.
 fn parameters_moved(base: &Fit) -> bool {
     let precisions = base.hypothesis.prior_precisions();
-    base.hypothesis.x.iter().zip(precisions).any(|(x, p)| x * x * p > 4.0)
+    base.hypothesis
+        .x
+        .iter()
+        .zip(precisions)
+        .any(|(x, p)| x * x * p > 4.0)
 }

@@ -48,7 +48,10 @@ pub fn robust(square: f64, residuals: usize) -> (f64, f64) {
     if size <= ROBUST {
         (square, 1.0)
     } else {
-        (residuals as f64 * ROBUST * (2.0 * size - ROBUST), ROBUST / size)
+        (
+            residuals as f64 * ROBUST * (2.0 * size - ROBUST),
+            ROBUST / size,
+        )
     }
 }
 
@@ -78,7 +81,16 @@ fn grams_with_slots<const N: usize>(
         .zip(starts)
         .map(|(window, start)| {
             let run = &data.runs[window.run];
-            window_gram(hypothesis, &rig, run, window, start, &data.deviations, |_, _, _| {}).ok()
+            window_gram(
+                hypothesis,
+                &rig,
+                run,
+                window,
+                start,
+                &data.deviations,
+                |_, _, _| {},
+            )
+            .ok()
         })
         .collect()
 }
@@ -95,7 +107,8 @@ pub fn reduced(
         .zip(starts)
         .zip(&data.windows)
         .map(|((gram, start), window)| {
-            gram.as_ref().and_then(|g| reduce(g, &offset(start, window), &window.deviations, disturbance))
+            gram.as_ref()
+                .and_then(|g| reduce(g, &offset(start, window), &window.deviations, disturbance))
         })
         .collect()
 }
@@ -106,20 +119,37 @@ pub const FAILED: f64 = 1e5;
 fn total_loss(reduced: &[Option<Reduced>], hypothesis: &Hypothesis) -> f64 {
     let windows: f64 = reduced
         .iter()
-        .map(|r| r.as_ref().map_or(FAILED, |r| robust(r.square, r.residuals).0 + r.log_determinant))
+        .map(|r| {
+            r.as_ref().map_or(FAILED, |r| {
+                robust(r.square, r.residuals).0 + r.log_determinant
+            })
+        })
         .sum();
     windows + prior_loss(hypothesis)
 }
 
 fn prior_loss(hypothesis: &Hypothesis) -> f64 {
-    hypothesis.prior_precisions().iter().zip(&hypothesis.x).map(|(p, x)| p * x * x).sum()
+    hypothesis
+        .prior_precisions()
+        .iter()
+        .zip(&hypothesis.x)
+        .map(|(p, x)| p * x * x)
+        .sum()
 }
 
 /// The relative friction disturbance that explains the windows best.
-fn best_disturbance(data: &Data, starts: &[RigState<f64>], grams: &[Option<Gram>], hypothesis: &Hypothesis) -> Disturbance {
+fn best_disturbance(
+    data: &Data,
+    starts: &[RigState<f64>],
+    grams: &[Option<Gram>],
+    hypothesis: &Hypothesis,
+) -> Disturbance {
     let mut best = (f64::INFINITY, Disturbance::NONE);
     for relative in [0.0, 0.003, 0.006, 0.012, 0.02, 0.03, 0.045, 0.065, 0.1] {
-        let disturbance = Disturbance { relative, ..Disturbance::NONE };
+        let disturbance = Disturbance {
+            relative,
+            ..Disturbance::NONE
+        };
         let loss = total_loss(&reduced(data, starts, grams, &disturbance), hypothesis);
         if loss < best.0 {
             best = (loss, disturbance);
@@ -129,7 +159,12 @@ fn best_disturbance(data: &Data, starts: &[RigState<f64>], grams: &[Option<Gram>
 }
 
 /// Fits `hypothesis` from its present values and the given window starts.
-pub fn fit(data: &Data, hypothesis: Hypothesis, starts: Vec<RigState<f64>>, most_iterations: usize) -> Fit {
+pub fn fit(
+    data: &Data,
+    hypothesis: Hypothesis,
+    starts: Vec<RigState<f64>>,
+    most_iterations: usize,
+) -> Fit {
     let mut hypothesis = hypothesis;
     hypothesis.clamp();
     let mut starts = starts;
@@ -142,27 +177,37 @@ pub fn fit(data: &Data, hypothesis: Hypothesis, starts: Vec<RigState<f64>>, most
     let mut quiet = 0;
     while iterations < most_iterations {
         iterations += 1;
-        let (curvature, gradient) =
-            normal_equations(forms.iter().flatten(), &hypothesis.prior_precisions(), &hypothesis.x);
+        let (curvature, gradient) = normal_equations(
+            forms.iter().flatten(),
+            &hypothesis.prior_precisions(),
+            &hypothesis.x,
+        );
         let mut damped = curvature.clone();
         for j in 0..damped.nrows() {
             damped[(j, j)] *= 1.0 + damping;
         }
-        let Some(cholesky) = Cholesky::new(damped) else { break };
+        let Some(cholesky) = Cholesky::new(damped) else {
+            break;
+        };
         let mut trial = hypothesis.clone();
         let step = cholesky.solve(&gradient);
         for (x, d) in trial.x.iter_mut().zip(step.iter()) {
             *x += d;
         }
         trial.clamp();
-        let taken = DVector::from_iterator(step.len(), trial.x.iter().zip(&hypothesis.x).map(|(a, b)| a - b));
+        let taken = DVector::from_iterator(
+            step.len(),
+            trial.x.iter().zip(&hypothesis.x).map(|(a, b)| a - b),
+        );
         let trial_starts: Vec<RigState<f64>> = starts
             .iter()
             .zip(&forms)
             .map(|(start, form)| {
                 let mut start = *start;
                 if let Some(form) = form {
-                    for (component, change) in START_COMPONENTS.into_iter().zip(form.start_change(&taken)) {
+                    for (component, change) in
+                        START_COMPONENTS.into_iter().zip(form.start_change(&taken))
+                    {
                         start[component] += change;
                     }
                 }
@@ -197,7 +242,14 @@ pub fn fit(data: &Data, hypothesis: Hypothesis, starts: Vec<RigState<f64>>, most
             break;
         }
     }
-    Fit { hypothesis, starts, grams: present, disturbance, loss, iterations }
+    Fit {
+        hypothesis,
+        starts,
+        grams: present,
+        disturbance,
+        loss,
+        iterations,
+    }
 }
 
 impl Fit {
@@ -210,7 +262,8 @@ impl Fit {
     pub fn promised_loss(&self, data: &Data) -> f64 {
         let h = &self.hypothesis;
         let forms = self.reduced(data);
-        let (curvature, gradient) = normal_equations(forms.iter().flatten(), &h.prior_precisions(), &h.x);
+        let (curvature, gradient) =
+            normal_equations(forms.iter().flatten(), &h.prior_precisions(), &h.x);
         match Cholesky::new(curvature) {
             Some(cholesky) => self.loss - gradient.dot(&cholesky.solve(&gradient)),
             None => self.loss,
@@ -257,12 +310,21 @@ pub fn held_out_losses(
     let mut losses = vec![FAILED; forms.len()];
     let parts = folds.iter().max().map_or(1, |m| m + 1);
     for fold in 0..parts {
-        let training = forms.iter().zip(folds).filter(|(_, f)| **f != fold).filter_map(|(form, _)| form.as_ref());
+        let training = forms
+            .iter()
+            .zip(folds)
+            .filter(|(_, f)| **f != fold)
+            .filter_map(|(form, _)| form.as_ref());
         let (curvature, gradient) = normal_equations(training, precisions, x);
-        let Some(step) = Cholesky::new(curvature).map(|c| c.solve(&gradient)) else { continue };
+        let Some(step) = Cholesky::new(curvature).map(|c| c.solve(&gradient)) else {
+            continue;
+        };
         for ((loss, form), f) in losses.iter_mut().zip(forms).zip(folds) {
-            let Some(form) = form.as_ref().filter(|_| *f == fold) else { continue };
-            let square = form.square - 2.0 * form.gradient.dot(&step) + step.dot(&(&form.curvature * &step));
+            let Some(form) = form.as_ref().filter(|_| *f == fold) else {
+                continue;
+            };
+            let square =
+                form.square - 2.0 * form.gradient.dot(&step) + step.dot(&(&form.curvature * &step));
             *loss = robust(square.max(0.0), form.residuals).0 + form.log_determinant;
         }
     }

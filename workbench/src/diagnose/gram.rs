@@ -110,11 +110,20 @@ pub fn window_gram<const N: usize>(
         row[j] = 1.0;
     }
     let delay = rig.effects.sensor_delay.map_or(Dual::ZERO, |d| d.delay);
-    let options = Options { tolerance: 1e-8, order: 14, ..Options::default() };
+    let options = Options {
+        tolerance: 1e-8,
+        order: 14,
+        ..Options::default()
+    };
     let mut state: RigState<Dual<N>> = start.map(Dual::constant);
     seed(&mut state);
-    let mut simulation =
-        Simulation::new(*rig, options, run.time[window.first], state, inputs(run, window.first))?;
+    let mut simulation = Simulation::new(
+        *rig,
+        options,
+        run.time[window.first],
+        state,
+        inputs(run, window.first),
+    )?;
     let mut places = Vec::with_capacity(pieces);
     let mut row = vec![0.0; columns];
     let mut residuals = 0;
@@ -193,7 +202,12 @@ pub fn window_gram<const N: usize>(
             products[(i, j)] = products[(j, i)];
         }
     }
-    Ok(Gram { products, pieces, residuals, places })
+    Ok(Gram {
+        products,
+        pieces,
+        residuals,
+        places,
+    })
 }
 
 /// Angle and velocity of the disc at `when`. A time just before the window is reached along the
@@ -204,13 +218,20 @@ fn disc_reading<const N: usize>(
 ) -> Result<(Dual<N>, Dual<N>), IntegrationError> {
     let tau = when - simulation.segment_start();
     if tau.value < 0.0 {
-        let series = stickslip::integrator::HybridSystem::states(simulation.system(), simulation.jet());
-        return Ok((evaluate(&series[index::THETA][..5], tau), evaluate(&series[index::OMEGA][..4], tau)));
+        let series =
+            stickslip::integrator::HybridSystem::states(simulation.system(), simulation.jet());
+        return Ok((
+            evaluate(&series[index::THETA][..5], tau),
+            evaluate(&series[index::OMEGA][..4], tau),
+        ));
     }
     simulation.advance_to(when.value)?;
     let tau = when - simulation.segment_start();
     let series = stickslip::integrator::HybridSystem::states(simulation.system(), simulation.jet());
-    Ok((evaluate(&series[index::THETA][..15], tau), evaluate(&series[index::OMEGA][..15], tau)))
+    Ok((
+        evaluate(&series[index::THETA][..15], tau),
+        evaluate(&series[index::OMEGA][..15], tau),
+    ))
 }
 
 fn inputs<const N: usize>(run: &Run, sample: usize) -> RigInputs<Dual<N>> {
@@ -283,13 +304,20 @@ fn accumulate(row: &[f64], products: &mut DMatrix<f64>) {
     }
 }
 
-fn place<const N: usize>(simulation: &Simulation<Dual<N>, Rig<Dual<N>>>, run: &Run, sample: usize, time: f64) -> Place {
+fn place<const N: usize>(
+    simulation: &Simulation<Dual<N>, Rig<Dual<N>>>,
+    run: &Run,
+    sample: usize,
+    time: f64,
+) -> Place {
     let state = simulation.state_at(time).map(|x| x.value);
     let tau = Dual::<N>::constant(time) - simulation.segment_start();
     let series = stickslip::integrator::HybridSystem::states(simulation.system(), simulation.jet());
     let acceleration =
         stickslip::series::evaluate_derivative(&series[index::OMEGA][..15], tau).value;
-    let friction = evaluate(simulation.jet().friction_torque(), tau).value.abs();
+    let friction = evaluate(simulation.jet().friction_torque(), tau)
+        .value
+        .abs();
     let speed = state[index::OMEGA];
     let s = if speed < 0.0 { -1.0 } else { 1.0 };
     Place {

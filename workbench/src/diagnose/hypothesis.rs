@@ -44,7 +44,11 @@ pub enum Free {
 impl Free {
     /// How many numbers it takes.
     pub fn width(&self) -> usize {
-        if matches!(self, Self::Polar { .. }) { 2 } else { 1 }
+        if matches!(self, Self::Polar { .. }) {
+            2
+        } else {
+            1
+        }
     }
 }
 
@@ -85,15 +89,30 @@ impl Hypothesis {
     pub fn base(model: &ModelFile) -> Self {
         let mut free = Vec::new();
         for parameter in model.rig.parameters() {
-            let stated = model.provenance.get(&parameter.name).and_then(|p| p.relative_uncertainty);
-            let usual = NOMINAL_DEVIATIONS.iter().find(|(name, _)| *name == parameter.name).map(|(_, d)| *d);
+            let stated = model
+                .provenance
+                .get(&parameter.name)
+                .and_then(|p| p.relative_uncertainty);
+            let usual = NOMINAL_DEVIATIONS
+                .iter()
+                .find(|(name, _)| *name == parameter.name)
+                .map(|(_, d)| *d);
             let nominal = model.rig.parameter(&parameter.name).unwrap_or(0.0);
             if let Some(deviation) = stated.or(usual).filter(|d| *d > 0.0 && nominal != 0.0) {
-                free.push(Free::Nominal { name: parameter.name, nominal, deviation });
+                free.push(Free::Nominal {
+                    name: parameter.name,
+                    nominal,
+                    deviation,
+                });
             }
         }
         let x = vec![0.0; free.len()];
-        Self { effects: Vec::new(), rig: model.rig, free, x }
+        Self {
+            effects: Vec::new(),
+            rig: model.rig,
+            free,
+            x,
+        }
     }
 
     /// Number of free numbers.
@@ -124,7 +143,9 @@ impl Hypothesis {
                     let reach = (12.0 * deviation).min(0.9);
                     self.x[at] = self.x[at].clamp(-reach, reach);
                 }
-                Free::Value { scale, low, high, .. } => {
+                Free::Value {
+                    scale, low, high, ..
+                } => {
                     self.x[at] = self.x[at].clamp(low / scale, high / scale);
                 }
                 Free::Polar { scale, high, .. } => {
@@ -146,12 +167,21 @@ impl Hypothesis {
     }
 
     /// The rig with derivatives with respect to the free numbers in the slots from `first` on.
-    pub fn rig_with_slots<const N: usize>(&self, first: usize) -> Result<Rig<Dual<N>>, ParameterError> {
+    pub fn rig_with_slots<const N: usize>(
+        &self,
+        first: usize,
+    ) -> Result<Rig<Dual<N>>, ParameterError> {
         let x: Vec<Dual<N>> = self
             .x
             .iter()
             .enumerate()
-            .map(|(j, &value)| if first + j < N { Dual::variable(value, first + j) } else { Dual::constant(value) })
+            .map(|(j, &value)| {
+                if first + j < N {
+                    Dual::variable(value, first + j)
+                } else {
+                    Dual::constant(value)
+                }
+            })
             .collect();
         self.build(&x)
     }
@@ -165,7 +195,12 @@ impl Hypothesis {
                     rig.set_parameter(name, (x[at] + 1.0) * *nominal)?;
                 }
                 Free::Value { name, scale, .. } => rig.set_parameter(name, x[at] * *scale)?,
-                Free::Polar { amplitude, phase, scale, .. } => {
+                Free::Polar {
+                    amplitude,
+                    phase,
+                    scale,
+                    ..
+                } => {
                     let (c, s) = (x[at], x[at + 1]);
                     let size = (c * c + s * s + 1e-18).sqrt();
                     rig.set_parameter(amplitude, size * *scale)?;
@@ -196,11 +231,20 @@ impl Hypothesis {
                     deviation: scale.abs() * covariance(at, at).max(0.0).sqrt(),
                     is_nominal: false,
                 }),
-                Free::Polar { amplitude, phase, scale, .. } => {
+                Free::Polar {
+                    amplitude,
+                    phase,
+                    scale,
+                    ..
+                } => {
                     let (c, s) = (self.x[at], self.x[at + 1]);
                     let size = c.hypot(s).max(1e-12);
                     let (ec, es) = (c / size, s / size);
-                    let (cc, cs, ss) = (covariance(at, at), covariance(at, at + 1), covariance(at + 1, at + 1));
+                    let (cc, cs, ss) = (
+                        covariance(at, at),
+                        covariance(at, at + 1),
+                        covariance(at + 1, at + 1),
+                    );
                     let along = ec * ec * cc + 2.0 * ec * es * cs + es * es * ss;
                     let across = es * es * cc - 2.0 * ec * es * cs + ec * ec * ss;
                     estimates.push(Estimate {

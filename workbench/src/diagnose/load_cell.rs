@@ -57,7 +57,11 @@ fn line_at(values: &[f64], at: usize) -> f64 {
         xy += x * v;
         xx += x * x;
     }
-    if xx == 0.0 { mean } else { mean + xy / xx * (at as f64 - centre) }
+    if xx == 0.0 {
+        mean
+    } else {
+        mean + xy / xx * (at as f64 - centre)
+    }
 }
 
 /// Starts of the sections between jumps, with 0 and the length at the ends.
@@ -106,12 +110,16 @@ mod tests {
 
     #[test]
     fn staircase_becomes_level_with_sharp_edges() {
-        let reading: Vec<f64> =
-            (0..3000).map(|j| 10.0 + 20.0 * (j / 1000) as f64 + 0.2 * noise(j)).collect();
+        let reading: Vec<f64> = (0..3000)
+            .map(|j| 10.0 + 20.0 * (j / 1000) as f64 + 0.2 * noise(j))
+            .collect();
         let smooth = denoise(&reading, 0.2);
         for level in 0..3 {
             let part = &smooth[1000 * level..1000 * (level + 1)];
-            assert!(part.iter().all(|v| *v == part[0]), "level {level} is not level");
+            assert!(
+                part.iter().all(|v| *v == part[0]),
+                "level {level} is not level"
+            );
             assert!((part[0] - (10.0 + 20.0 * level as f64)).abs() < 0.05);
         }
     }
@@ -123,10 +131,16 @@ mod tests {
 
     #[test]
     fn ramp_is_followed() {
-        let reading: Vec<f64> = (0..2000).map(|j| 10.0 + 0.02 * j as f64 + 0.2 * noise(j)).collect();
+        let reading: Vec<f64> = (0..2000)
+            .map(|j| 10.0 + 0.02 * j as f64 + 0.2 * noise(j))
+            .collect();
         let smooth = denoise(&reading, 0.2);
         for j in 100..1900 {
-            assert!((smooth[j] - (10.0 + 0.02 * j as f64)).abs() < 0.25, "{j}: {}", smooth[j]);
+            assert!(
+                (smooth[j] - (10.0 + 0.02 * j as f64)).abs() < 0.25,
+                "{j}: {}",
+                smooth[j]
+            );
         }
     }
 }

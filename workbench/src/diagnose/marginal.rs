@@ -20,7 +20,12 @@ pub struct Disturbance {
 
 impl Disturbance {
     /// No disturbance at all.
-    pub const NONE: Self = Self { relative: 0.0, disc: 0.0, motor: 0.0, correlation_time: 0.1 };
+    pub const NONE: Self = Self {
+        relative: 0.0,
+        disc: 0.0,
+        motor: 0.0,
+        correlation_time: 0.1,
+    };
 }
 
 /// Quadratic form of the free numbers that is left of one window.
@@ -125,11 +130,19 @@ pub fn reduce(
         right[j] -= offset[j] * p;
     }
     let nuisance = Cholesky::new(matrix)?;
-    let log_determinant = 2.0 * nuisance.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>() - log_prior;
+    let log_determinant = 2.0
+        * nuisance
+            .l_dirty()
+            .diagonal()
+            .iter()
+            .map(|d| d.ln())
+            .sum::<f64>()
+        - log_prior;
     let solved_right = nuisance.solve(&right);
     let solved_cross = nuisance.solve(&cross);
     let curvature = g.view((first, first), (free, free)) - cross.transpose() * &solved_cross;
-    let gradient = g.view((first, residual), (free, 1)).column(0) - cross.transpose() * &solved_right;
+    let gradient =
+        g.view((first, residual), (free, 1)).column(0) - cross.transpose() * &solved_right;
     square -= right.dot(&solved_right);
     square.is_finite().then_some(Reduced {
         curvature,
@@ -157,7 +170,13 @@ impl Reduced {
         let solution = self.nuisance.solve(&self.right);
         let covariance = self.nuisance.inverse();
         (START_COMPONENTS.len()..self.active.len())
-            .map(|a| (self.active[a], solution[a], covariance[(a, a)].max(0.0).sqrt()))
+            .map(|a| {
+                (
+                    self.active[a],
+                    solution[a],
+                    covariance[(a, a)].max(0.0).sqrt(),
+                )
+            })
             .collect()
     }
 }

@@ -31,13 +31,24 @@ impl Run {
         motion: [&[f64]; CHANNELS],
         sensors: &Sensors,
     ) -> Self {
-        let half_steps = [0.5 * sensors.disc_encoder_step, 0.0, 0.5 * sensors.gear_encoder_step, 0.0];
+        let half_steps = [
+            0.5 * sensors.disc_encoder_step,
+            0.0,
+            0.5 * sensors.gear_encoder_step,
+            0.0,
+        ];
         let mut readings: [Vec<f64>; CHANNELS] = Default::default();
         for (c, channel) in motion.iter().enumerate() {
             readings[c] = channel.iter().map(|x| x + half_steps[c]).collect();
         }
         let normal_force = denoise(load_cell, sensors.load_cell_noise);
-        Self { name, time, voltage, normal_force, readings }
+        Self {
+            name,
+            time,
+            voltage,
+            normal_force,
+            readings,
+        }
     }
 
     /// Number of samples.

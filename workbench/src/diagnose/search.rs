@@ -34,16 +34,27 @@ pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
     let differences: Vec<f64> = base
         .iter()
         .zip(candidate)
-        .map(|(&b, &c)| if b >= FAILED || c >= FAILED { 0.0 } else { 0.5 * (b - c) })
+        .map(|(&b, &c)| {
+            if b >= FAILED || c >= FAILED {
+                0.0
+            } else {
+                0.5 * (b - c)
+            }
+        })
         .collect();
-    let blocks: Vec<f64> = differences.chunks(BLOCK).map(|block| block.iter().sum()).collect();
+    let blocks: Vec<f64> = differences
+        .chunks(BLOCK)
+        .map(|block| block.iter().sum())
+        .collect();
     let total: f64 = blocks.iter().sum();
     let mut state = 0x5DEE_CE66_D1CE_5EED_u64 ^ data.windows.len() as u64;
     let mut resampled: Vec<f64> = (0..400)
         .map(|_| {
             (0..blocks.len())
                 .map(|_| {
-                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                    state = state
+                        .wrapping_mul(6_364_136_223_846_793_005)
+                        .wrapping_add(1_442_695_040_888_963_407);
                     blocks[((state >> 33) as usize) % blocks.len()]
                 })
                 .sum()
@@ -65,12 +76,20 @@ const FOLLOWED: usize = 6;
 /// Fits the entries that make sense on top of `base`: a first look at each start tells from exact
 /// derivatives what it promises, and the promising are fitted to the end. `progress` is called with
 /// the entry's name before each fit.
-pub fn try_all(data: &Data, base: &Fit, without: &[String], progress: &mut dyn FnMut(&str)) -> Vec<Tried> {
+pub fn try_all(
+    data: &Data,
+    base: &Fit,
+    without: &[String],
+    progress: &mut dyn FnMut(&str),
+) -> Vec<Tried> {
     let folds = folds(data);
     let base_losses = base.held_out_losses(data, &folds);
     let wrong = base.misfit(data) > WRONG || base.disturbance.relative > 0.05;
     let mut starts: Vec<(f64, &'static Entry, Fit)> = Vec::new();
-    for entry in CATALOGUE.iter().filter(|entry| !without.iter().any(|name| name == entry.name)) {
+    for entry in CATALOGUE
+        .iter()
+        .filter(|entry| !without.iter().any(|name| name == entry.name))
+    {
         progress(entry.name);
         for start in entry.starts(&base.hypothesis, wrong) {
             if start.dimension() <= super::gram::MOST_FREE {
@@ -102,8 +121,20 @@ pub fn try_all(data: &Data, base: &Fit, without: &[String], progress: &mut dyn F
         let (gain, interval95) = gain(data, &base_losses, &fitted.held_out_losses(data, &folds));
         match tried.iter_mut().find(|t| t.name == entry.name) {
             Some(earlier) if earlier.fit.loss <= fitted.loss => {}
-            Some(earlier) => *earlier = Tried { name: entry.name, fit: fitted, gain, interval95 },
-            None => tried.push(Tried { name: entry.name, fit: fitted, gain, interval95 }),
+            Some(earlier) => {
+                *earlier = Tried {
+                    name: entry.name,
+                    fit: fitted,
+                    gain,
+                    interval95,
+                }
+            }
+            None => tried.push(Tried {
+                name: entry.name,
+                fit: fitted,
+                gain,
+                interval95,
+            }),
         }
     }
     tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));

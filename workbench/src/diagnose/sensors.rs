@@ -24,7 +24,9 @@ pub struct Sensors {
 #[derive(Debug, Error)]
 pub enum SensorError {
     /// Not TOML, or a key is missing, unknown or of the wrong type.
-    #[error("{file}: {message}; needed are disc_encoder_step, gear_encoder_step [rad], disc_velocity_noise, gear_velocity_noise [rad/s] and load_cell_noise [N]")]
+    #[error(
+        "{file}: {message}; needed are disc_encoder_step, gear_encoder_step [rad], disc_velocity_noise, gear_velocity_noise [rad/s] and load_cell_noise [N]"
+    )]
     Syntax {
         /// File name.
         file: String,
@@ -72,7 +74,11 @@ impl Sensors {
             ("load_cell_noise", sensors.load_cell_noise),
         ] {
             if !(value.is_finite() && value > 0.0) {
-                return Err(SensorError::Range { file: file.to_owned(), key, value });
+                return Err(SensorError::Range {
+                    file: file.to_owned(),
+                    key,
+                    value,
+                });
             }
         }
         Ok(sensors)

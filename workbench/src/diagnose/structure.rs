@@ -88,12 +88,30 @@ impl Coordinate {
     /// Values of the family's functions at a place, as (disc, motor) torques of the size of
     /// [`PRIOR_TORQUE`].
     fn functions(self, place: &Place) -> Vec<(f64, f64)> {
-        let slides = if place.sliding { place.speed.signum() } else { 0.0 };
+        let slides = if place.sliding {
+            place.speed.signum()
+        } else {
+            0.0
+        };
         let friction = place.friction / 0.5;
-        let disc = |values: Vec<f64>| values.into_iter().map(|v| (PRIOR_TORQUE * v, 0.0)).collect();
-        let motor = |values: Vec<f64>| values.into_iter().map(|v| (0.0, PRIOR_TORQUE * v)).collect();
+        let disc = |values: Vec<f64>| {
+            values
+                .into_iter()
+                .map(|v| (PRIOR_TORQUE * v, 0.0))
+                .collect()
+        };
+        let motor = |values: Vec<f64>| {
+            values
+                .into_iter()
+                .map(|v| (0.0, PRIOR_TORQUE * v))
+                .collect()
+        };
         match self {
-            Self::Speed => disc(hats(place.speed.abs(), &[0.0, 0.7, 1.5, 3.0, 5.0, 7.5, 10.0, 13.0], slides)),
+            Self::Speed => disc(hats(
+                place.speed.abs(),
+                &[0.0, 0.7, 1.5, 3.0, 5.0, 7.5, 10.0, 13.0],
+                slides,
+            )),
             Self::Alpha => {
                 let mut values = Vec::new();
                 for order in 1..=3 {
@@ -116,16 +134,30 @@ impl Coordinate {
             }
             Self::NormalForce => {
                 let n = place.normal_force / 50.0;
-                disc(vec![slides, slides * n, slides * n * n, slides * n.max(0.0).sqrt()])
+                disc(vec![
+                    slides,
+                    slides * n,
+                    slides * n * n,
+                    slides * n.max(0.0).sqrt(),
+                ])
             }
             Self::Time => {
                 let t = place.time / 20.0 - 1.0;
                 let f = slides * friction;
-                disc(vec![slides * t, slides * t * t, f * t, f * t * t, f * t * t * t])
+                disc(vec![
+                    slides * t,
+                    slides * t * t,
+                    f * t,
+                    f * t * t,
+                    f * t * t * t,
+                ])
             }
             Self::Twist => {
                 let s = place.twist;
-                [s, s * s, s * s * s, s.signum()].iter().map(|v| (-PRIOR_TORQUE * v, PRIOR_TORQUE * v)).collect()
+                [s, s * s, s * s * s, s.signum()]
+                    .iter()
+                    .map(|v| (-PRIOR_TORQUE * v, PRIOR_TORQUE * v))
+                    .collect()
             }
             Self::MotorState => {
                 let (w, i) = (place.gear_speed / 6.0, place.current / 3.0);
@@ -142,7 +174,8 @@ impl Coordinate {
             Self::Frequency(first) => {
                 let mut values = Vec::new();
                 for j in 0..8 {
-                    let (s, c) = (TAU * (first + FREQUENCY_STEP * f64::from(j)) * place.time).sin_cos();
+                    let (s, c) =
+                        (TAU * (first + FREQUENCY_STEP * f64::from(j)) * place.time).sin_cos();
                     values.extend([c, s]);
                 }
                 disc(values)
@@ -187,17 +220,29 @@ pub fn structures(data: &Data, fit: &Fit) -> Vec<Structure> {
     let mut found: Vec<Structure> = Coordinate::all()
         .into_iter()
         .map(|coordinate| {
-            let grams: Vec<Option<Gram>> =
-                fit.grams.iter().map(|gram| gram.as_ref().map(|g| augment(g, coordinate))).collect();
+            let grams: Vec<Option<Gram>> = fit
+                .grams
+                .iter()
+                .map(|gram| gram.as_ref().map(|g| augment(g, coordinate)))
+                .collect();
             let forms = reduced(data, &fit.starts, &grams, &fit.disturbance);
             let mut precisions = fit.hypothesis.prior_precisions();
             let mut x = fit.hypothesis.x.clone();
-            let extra = grams.iter().flatten().next().map_or(0, |g| g.residual() - g.free()) - x.len();
+            let extra = grams
+                .iter()
+                .flatten()
+                .next()
+                .map_or(0, |g| g.residual() - g.free())
+                - x.len();
             precisions.extend(std::iter::repeat_n(1.0, extra));
             x.extend(std::iter::repeat_n(0.0, extra));
             let losses = held_out_losses(&forms, &precisions, &x, &folds);
             let (gain, interval95) = gain(data, &base, &losses);
-            Structure { coordinate, gain, interval95 }
+            Structure {
+                coordinate,
+                gain,
+                interval95,
+            }
         })
         .collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
@@ -206,8 +251,11 @@ pub fn structures(data: &Data, fit: &Fit) -> Vec<Structure> {
 
 /// The Gram matrix with the coefficients of a residual torque's functions as further free numbers.
 fn augment(gram: &Gram, coordinate: Coordinate) -> Gram {
-    let functions: Vec<Vec<(f64, f64)>> =
-        gram.places.iter().map(|place| coordinate.functions(place)).collect();
+    let functions: Vec<Vec<(f64, f64)>> = gram
+        .places
+        .iter()
+        .map(|place| coordinate.functions(place))
+        .collect();
     let extra = functions.first().map_or(0, Vec::len);
     let old = gram.products.ncols();
     let residual = gram.residual();
@@ -223,5 +271,8 @@ fn augment(gram: &Gram, coordinate: Coordinate) -> Gram {
         }
     }
     let products = map.transpose() * &gram.products * &map;
-    Gram { products, ..gram.clone() }
+    Gram {
+        products,
+        ..gram.clone()
+    }
 }

@@ -49,7 +49,8 @@ pub fn windows(run_index: usize, run: &Run, back_emf: f64, resistance: f64) -> V
         let mut last = (first + per_window).min(run.len() - 1);
         // Look for a clear place for the next window to start.
         let reach = per_window / 2;
-        let clear = (0..reach).find(|d| last + d < run.len() && motion(run, last + d) != Motion::Unclear);
+        let clear =
+            (0..reach).find(|d| last + d < run.len() && motion(run, last + d) != Motion::Unclear);
         last += clear.unwrap_or(0);
         last = last.min(run.len() - 1);
         windows.push(window(run_index, run, first, last, back_emf, resistance));
@@ -58,12 +59,29 @@ pub fn windows(run_index: usize, run: &Run, back_emf: f64, resistance: f64) -> V
     windows
 }
 
-fn window(run_index: usize, run: &Run, first: usize, last: usize, back_emf: f64, resistance: f64) -> Window {
+fn window(
+    run_index: usize,
+    run: &Run,
+    first: usize,
+    last: usize,
+    back_emf: f64,
+    resistance: f64,
+) -> Window {
     let mut anchor = [0.0; STATES];
-    if first == 0 && run.readings[1][..3.min(run.len())].iter().all(|w| w.abs() < 0.3) {
+    if first == 0
+        && run.readings[1][..3.min(run.len())]
+            .iter()
+            .all(|w| w.abs() < 0.3)
+    {
         // Every run starts at rest with angles zero.
         let tiny = 1e-9;
-        return Window { run: run_index, first, last, anchor, deviations: [tiny; 6] };
+        return Window {
+            run: run_index,
+            first,
+            last,
+            anchor,
+            deviations: [tiny; 6],
+        };
     }
     let stuck = motion(run, first) == Motion::Stuck;
     let (theta, omega) = line(run, 0, 1, first);
@@ -75,7 +93,13 @@ fn window(run_index: usize, run: &Run, first: usize, last: usize, back_emf: f64,
     let voltage = run.voltage[first.saturating_sub(1)];
     anchor[index::CURRENT] = (voltage - back_emf * omega3) / resistance;
     let disc_velocity = if stuck { 1e-6 } else { 1.0 };
-    Window { run: run_index, first, last, anchor, deviations: [0.5, disc_velocity, 0.1, 0.3, 2.0, 0.05] }
+    Window {
+        run: run_index,
+        first,
+        last,
+        anchor,
+        deviations: [0.5, disc_velocity, 0.1, 0.3, 2.0, 0.05],
+    }
 }
 
 /// Angle and velocity at a sample from the readings around it: the angles less the course that the
@@ -111,7 +135,8 @@ fn motion(run: &Run, at: usize) -> Motion {
     let omega = &run.readings[1][low..=high];
     let mean = omega.iter().sum::<f64>() / omega.len() as f64;
     let theta = &run.readings[0][low..=high];
-    let span = theta.iter().fold(f64::MIN, |a, b| a.max(*b)) - theta.iter().fold(f64::MAX, |a, b| a.min(*b));
+    let span = theta.iter().fold(f64::MIN, |a, b| a.max(*b))
+        - theta.iter().fold(f64::MAX, |a, b| a.min(*b));
     let slowest = omega.iter().fold(f64::MAX, |a, b| a.min(b.abs()));
     if mean.abs() < 0.06 && span < 0.008 {
         Motion::Stuck
