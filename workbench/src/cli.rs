@@ -4,6 +4,9 @@ use clap::{Parser, Subcommand};
 
 use crate::build::{self, BuildArguments};
 use crate::calibrate::{self, command::CalibrateArguments};
+use crate::diagnose::command::{self as diagnose, AmendArguments, DiagnoseArguments};
+use crate::diagnose::effect_page::{self, EffectsArguments};
+use crate::diagnose::score::{self, ScoreArguments};
 use crate::experiment::{self, command::ExperimentArguments};
 use crate::identify::{self, command::IdentifyArguments};
 use crate::info::{self, InfoArguments};
@@ -39,6 +42,20 @@ pub enum Command {
     Map(MapArguments),
     /// Say what a model or an FMU is and has.
     Info(InfoArguments),
+    /// Name the effect that a model lacks, add it, and show on a held-out record that the gap is closed.
+    Diagnose(DiagnoseArguments),
+    /// First stage of `diagnose`: where model and records disagree.
+    Locate(DiagnoseArguments),
+    /// Second stage of `diagnose`: which effect is missing.
+    Name(DiagnoseArguments),
+    /// Third stage of `diagnose`: the amended model and its FMUs, from the finding or from effects that are given.
+    Amend(AmendArguments),
+    /// Last stage of `diagnose`: before and after on the held-out record, and the report.
+    Show(DiagnoseArguments),
+    /// The effects that can be named, or a page on each.
+    Effects(EffectsArguments),
+    /// Diagnose cases whose answers are known, and judge the findings.
+    Score(ScoreArguments),
     /// Pack a model into FMUs.
     Build(BuildArguments),
     /// The dissertation's computations, with the published numbers beside ours.
@@ -58,6 +75,13 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Simulate(arguments) => simulate::command(arguments),
         Command::Map(arguments) => map::command(arguments),
         Command::Info(arguments) => info::command(arguments),
+        Command::Diagnose(arguments) => diagnose::diagnose(arguments),
+        Command::Locate(arguments) => diagnose::locate(arguments),
+        Command::Name(arguments) => diagnose::name(arguments),
+        Command::Amend(arguments) => diagnose::amend_command(arguments),
+        Command::Show(arguments) => diagnose::show(arguments),
+        Command::Effects(arguments) => effect_page::command(arguments),
+        Command::Score(arguments) => score::command(arguments),
         Command::Build(arguments) => build::command(arguments),
         Command::Experiment(arguments) => experiment::command::run(arguments),
         Command::Identify(arguments) => identify::command::run(arguments),

@@ -1,7 +1,7 @@
 //! `documentation/index.html` of an FMU: equations, signs, variables, parameters with their sources. One
 //! file without scripts or links to elsewhere.
 
-mod equations;
+pub mod equations;
 mod mathml;
 
 use std::fmt::Write;

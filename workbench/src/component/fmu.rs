@@ -36,6 +36,7 @@ pub(super) trait Instance {
     fn boolean(&mut self, reference: u32) -> Result<bool, Failed>;
     fn initialise(&mut self, start: f64, stop: f64) -> Result<(), Failed>;
     fn step(&mut self, from: f64, length: f64) -> Result<(), Failed>;
+    fn reset(&mut self) -> Result<(), Failed>;
 }
 
 /// An FMU, unpacked, loaded and instantiated.
@@ -194,6 +195,11 @@ impl Component for Fmu {
     fn initialise(&mut self, start: f64, stop: f64) -> Result<(), ComponentError> {
         self.time = start;
         let result = self.instance.initialise(start, stop);
+        self.check(result)
+    }
+
+    fn reset(&mut self) -> Result<(), ComponentError> {
+        let result = self.instance.reset();
         self.check(result)
     }
 

@@ -67,6 +67,7 @@ pub(super) struct Fmi2 {
     handle: Handle,
     free_instance: unsafe extern "C" fn(Handle),
     terminate: Plain,
+    reset: Plain,
     set_up: unsafe extern "C" fn(Handle, c_int, f64, f64, c_int, f64) -> c_int,
     enter_initialisation: Plain,
     exit_initialisation: Plain,
@@ -105,6 +106,7 @@ impl Fmi2 {
                 handle: std::ptr::null_mut(),
                 free_instance: symbol(&library, "fmi2FreeInstance")?,
                 terminate: symbol(&library, "fmi2Terminate")?,
+                reset: symbol(&library, "fmi2Reset")?,
                 set_up: symbol(&library, "fmi2SetupExperiment")?,
                 enter_initialisation: symbol(&library, "fmi2EnterInitializationMode")?,
                 exit_initialisation: symbol(&library, "fmi2ExitInitializationMode")?,
@@ -187,6 +189,13 @@ impl Instance for Fmi2 {
             )?;
         }
         self.running = true;
+        Ok(())
+    }
+
+    fn reset(&mut self) -> Result<(), Failed> {
+        // SAFETY: the instance is live.
+        answer("fmi2Reset", unsafe { (self.reset)(self.handle) })?;
+        self.running = false;
         Ok(())
     }
 

@@ -71,6 +71,7 @@ pub(super) struct Fmi3 {
     handle: Handle,
     free_instance: unsafe extern "C" fn(Handle),
     terminate: Plain,
+    reset: Plain,
     enter_initialisation: unsafe extern "C" fn(Handle, bool, f64, f64, bool, f64) -> c_int,
     exit_initialisation: Plain,
     set_real: unsafe extern "C" fn(Handle, *const c_uint, usize, *const f64, usize) -> c_int,
@@ -102,6 +103,7 @@ impl Fmi3 {
                 handle: std::ptr::null_mut(),
                 free_instance: symbol(&library, "fmi3FreeInstance")?,
                 terminate: symbol(&library, "fmi3Terminate")?,
+                reset: symbol(&library, "fmi3Reset")?,
                 enter_initialisation: symbol(&library, "fmi3EnterInitializationMode")?,
                 exit_initialisation: symbol(&library, "fmi3ExitInitializationMode")?,
                 set_real: symbol(&library, "fmi3SetFloat64")?,
@@ -185,6 +187,13 @@ impl Instance for Fmi3 {
             )?;
         }
         self.running = true;
+        Ok(())
+    }
+
+    fn reset(&mut self) -> Result<(), Failed> {
+        // SAFETY: the instance is live.
+        answer("fmi3Reset", unsafe { (self.reset)(self.handle) })?;
+        self.running = false;
         Ok(())
     }
 

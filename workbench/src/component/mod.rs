@@ -99,6 +99,12 @@ pub trait Component {
     /// The component refuses its parameters.
     fn initialise(&mut self, start: f64, stop: f64) -> Result<(), ComponentError>;
 
+    /// Goes back to before the set-up, with the start values of the component's file.
+    ///
+    /// # Errors
+    /// The component cannot go back.
+    fn reset(&mut self) -> Result<(), ComponentError>;
+
     /// Values now of the variables at the given positions; Booleans as 0 and 1.
     ///
     /// # Errors

@@ -78,6 +78,11 @@ impl Component for Native {
         self.model.initialise().map_err(refused)
     }
 
+    fn reset(&mut self) -> Result<(), ComponentError> {
+        self.model.reset();
+        Ok(())
+    }
+
     fn get(&mut self, positions: &[usize], values: &mut [f64]) -> Result<(), ComponentError> {
         for (value, &position) in values.iter_mut().zip(positions) {
             let variable = &self.variables[position];

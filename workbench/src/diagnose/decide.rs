@@ -12,7 +12,7 @@ const LEAST_GAIN: f64 = 10.0;
 /// Share of a rival's shortfall that must be certain before the best is called better.
 const RIVAL_MARGIN: f64 = 4.0;
 /// Gain of a residual torque over one coordinate from which on structure is left.
-const STRUCTURE_GAIN: f64 = 30.0;
+pub const STRUCTURE_GAIN: f64 = 30.0;
 /// Misfit per residual above which something is left whatever its structure.
 const MISFIT: f64 = 1.25;
 /// Relative friction disturbance above which it no longer passes for roughness.

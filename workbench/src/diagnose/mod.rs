@@ -4,15 +4,30 @@
 //! cannot explain is compared under every hypothesis of the catalogue, with the nominal parameters
 //! free within their uncertainty and with random friction as a nuisance.
 
+pub mod amend;
+pub mod case;
 pub mod catalogue;
+pub mod command;
+pub mod console;
 pub mod decide;
+pub mod effect_page;
+pub mod experiment;
+pub mod finding;
 pub mod fit;
+pub mod forced;
 pub mod gram;
 pub mod hypothesis;
 pub mod load_cell;
 pub mod marginal;
+pub mod naming;
+pub mod record_check;
+pub mod report;
+pub mod residual_torque;
+pub mod restart;
 pub mod run;
+pub mod score;
 pub mod search;
 pub mod sensors;
+pub mod show;
 pub mod structure;
 pub mod window;

@@ -1,0 +1,227 @@
+//! The answer on one screen.
+
+use std::fmt::Write as _;
+
+use super::catalogue::entry;
+use super::finding::{Finding, FoundEffect, Measures, VerdictName};
+
+/// The answer in sentences, most important first.
+#[must_use]
+pub fn answer(finding: &Finding) -> Vec<String> {
+    let mut lines = Vec::new();
+    match finding.verdict {
+        VerdictName::NothingMissing => {
+            lines.push(
+                "Nothing is missing: the model explains the records within their noise.".to_owned(),
+            );
+        }
+        VerdictName::Parameters => {
+            lines.push(
+                "No effect is missing: other nominal parameters explain the records.".to_owned(),
+            );
+        }
+        VerdictName::Named => {
+            for effect in &finding.effects {
+                lines.push(format!("Missing: {}.", described(effect)));
+            }
+        }
+        VerdictName::Ambiguous => {
+            let names: Vec<String> = finding
+                .alternatives
+                .iter()
+                .map(|name| readable(name))
+                .collect();
+            lines.push(format!(
+                "Missing is one of: {}. These records cannot tell which.",
+                names.join(", ")
+            ));
+            for effect in &finding.effects {
+                lines.push(format!("Added to the model: {}.", described(effect)));
+            }
+            if let Some(experiment) = &finding.experiment {
+                lines.push(format!(
+                    "{} would decide it with a probability of {}: {}",
+                    experiment.file,
+                    percent(experiment.expected_power),
+                    experiment.description
+                ));
+            }
+        }
+        VerdictName::NotInCatalogue => {
+            lines.push("Something is missing that no effect of the catalogue explains.".to_owned());
+            for effect in &finding.effects {
+                lines.push(format!("Added on the way: {}.", described(effect)));
+            }
+            if let Some(place) = finding.structure.first() {
+                lines.push(format!(
+                    "What is left is structured over the {} ({} equation).",
+                    readable(&place.coordinate),
+                    place.equation
+                ));
+            }
+        }
+    }
+    if let Some(gap) = &finding.gap {
+        let errors = gap.through_fmu.fmi3;
+        lines.push(match errors.closed {
+            Some(closed) => format!(
+                "On the held-out record, through the FMU, {} of the gap is closed: window error {} before, {} after, {} from noise alone.",
+                percent(closed),
+                number(errors.before),
+                number(errors.after),
+                number(errors.noise_floor)
+            ),
+            None => format!(
+                "On the held-out record there is no gap to close: window error {} where noise alone gives {}.",
+                number(errors.before),
+                number(errors.noise_floor)
+            ),
+        });
+    }
+    lines
+}
+
+fn described(effect: &FoundEffect) -> String {
+    let what = entry(&effect.name).map_or("", |entry| entry.description);
+    let mut text = format!(
+        "{} ({what}), probability {:.3}",
+        readable(&effect.name),
+        effect.probability
+    );
+    for (symbol, value) in &effect.parameters {
+        let unit = if value.unit == "1" {
+            ""
+        } else {
+            value.unit.as_str()
+        };
+        let _ = match value.interval95 {
+            Some([low, high]) => {
+                write!(
+                    text,
+                    "; {symbol} = {} {unit} [{} … {}]",
+                    number(value.value),
+                    number(low),
+                    number(high)
+                )
+            }
+            None => write!(text, "; {symbol} = {} {unit}", number(value.value)),
+        };
+    }
+    text
+}
+
+/// The whole screen.
+#[must_use]
+pub fn screen(case: &str, finding: &Finding) -> String {
+    let mut text = format!("{case}\n\n");
+    for line in answer(finding) {
+        let _ = writeln!(text, "  {line}");
+    }
+    let places: Vec<String> = finding
+        .structure
+        .iter()
+        .filter(|place| place.significant)
+        .take(4)
+        .map(|place| format!("{} ({})", readable(&place.coordinate), place.equation))
+        .collect();
+    if !places.is_empty() {
+        let _ = writeln!(text, "\n  where they disagree  {}", places.join(", "));
+    }
+    if !finding.ranking.is_empty() {
+        let _ = writeln!(
+            text,
+            "\n  {:24}{:>10}   95 % interval",
+            "candidates", "gain"
+        );
+        for ranked in finding.ranking.iter().take(5) {
+            let [low, high] = ranked.interval95;
+            let _ = writeln!(
+                text,
+                "  {:24}{:>10}   {} … {}",
+                ranked.name,
+                number(ranked.gain),
+                number(low),
+                number(high)
+            );
+        }
+    }
+    if let Some(gap) = &finding.gap {
+        let line = |label: &str, m: &Measures| {
+            let cell = |value: Option<f64>| value.map_or("–".to_owned(), number);
+            format!(
+                "  {label:24}{:>10} {:>10} {:>10} {:>10}\n",
+                cell(m.rmse),
+                cell(m.nrmse),
+                cell(m.pc),
+                cell(m.apl)
+            )
+        };
+        let _ = write!(
+            text,
+            "\n  {:24}{:>10} {:>10} {:>10} {:>10}\n{}{}",
+            "free run, held-out",
+            "RMSE rad/s",
+            "/ω_ref",
+            "PC",
+            "APL",
+            line("before", &gap.free_run.before),
+            line("after", &gap.free_run.after)
+        );
+    }
+    for note in &finding.notes {
+        let _ = writeln!(text, "\n  note: {note}");
+    }
+    text
+}
+
+/// An effect's or coordinate's name in words.
+#[must_use]
+pub fn readable(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// A number with four digits that matter.
+#[must_use]
+pub fn number(value: f64) -> String {
+    let size = value.abs();
+    if !value.is_finite() {
+        "–".to_owned()
+    } else if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        format!("{value:.3e}")
+    } else {
+        let before_point = if size < 1.0 { 0 } else { size.log10() as usize };
+        let digits = if size < 0.1 {
+            5
+        } else {
+            3_usize.saturating_sub(before_point)
+        };
+        format!("{value:.digits$}")
+    }
+}
+
+/// A share as per cent with one decimal.
+#[must_use]
+pub fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_the_digits_that_matter() {
+        for (value, text) in [
+            (0.0, "0.00000"),
+            (1234.56, "1235"),
+            (12.345, "12.35"),
+            (0.5, "0.500"),
+            (0.04, "0.04000"),
+            (-3.2, "-3.200"),
+            (1e-6, "1.000e-6"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+        assert_eq!(percent(0.9876), "98.8 %");
+    }
+}

@@ -1,0 +1,143 @@
+//! `stickslip effects`: one page per effect of the catalogue.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use build_fmu::documentation::equations;
+use clap::Args;
+use stickslip::friction::{CoulombStiction, Stribeck, TwoGaussianMu};
+use stickslip::parameter::ParameterInfo;
+use stickslip::plant::Effects;
+
+use super::catalogue::{CATALOGUE, Entry};
+use crate::cli::Outcome;
+use crate::files::atomic;
+
+/// Arguments of `effects`.
+#[derive(Debug, Args)]
+pub struct EffectsArguments {
+    /// Directory for the pages; without it the names are listed.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// A page cannot be written.
+pub fn command(arguments: &EffectsArguments) -> anyhow::Result<Outcome> {
+    match &arguments.out {
+        None => {
+            for entry in CATALOGUE {
+                println!("{:24} {}", entry.name, entry.description);
+            }
+        }
+        Some(directory) => {
+            for (file, text) in pages() {
+                atomic::write_file(&directory.join(&file), text.as_bytes())?;
+                println!("{}", directory.join(file).display());
+            }
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+/// All pages as file name and text, with an index.
+#[must_use]
+pub fn pages() -> Vec<(String, String)> {
+    let mut pages: Vec<(String, String)> =
+        CATALOGUE.iter().map(|entry| (format!("{}.md", entry.name), page(entry))).collect();
+    let mut index = String::from("# Effects\n\nWhat `stickslip diagnose` can name. Written by `stickslip effects --out docs/effects`.\n\n| effect | what it is |\n|---|---|\n");
+    for entry in CATALOGUE {
+        let _ = writeln!(index, "| [{0}]({0}.md) | {1} |", entry.name, entry.description);
+    }
+    pages.push(("README.md".to_owned(), index));
+    pages
+}
+
+fn page(entry: &Entry) -> String {
+    let mut text = format!("# {}\n\n{}.\n", entry.name, capital(entry.description));
+    let equations = if entry.is_law() { equations::law(law(entry.name)) } else { equations::effect(entry.name) };
+    if let Some(equations) = equations {
+        text.push_str("\n## Equation\n\n```text\n");
+        for equation in equations.equations {
+            let _ = writeln!(text, "{equation}");
+        }
+        let _ = writeln!(text, "```\n\nSource: {}.", equations.source);
+    }
+    let section = if entry.is_law() { "contact" } else { entry.name };
+    let _ = writeln!(text, "\n## Parameters\n\nIn `[{section}]` of the model file.\n");
+    text.push_str("| key | in findings | unit | allowed | what |\n|---|---|---|---|---|\n");
+    for info in parameters(entry) {
+        let dotted = format!("{section}.{}", info.key);
+        let symbol = entry.symbols.iter().find(|(name, _)| *name == dotted).map_or(info.key, |(_, symbol)| symbol);
+        let _ = writeln!(
+            text,
+            "| `{}` | `{symbol}` | {} | {} | {} |",
+            info.key,
+            info.unit,
+            info.range,
+            info.description.trim()
+        );
+    }
+    let _ = writeln!(text, "\n## In the records\n\n{}.", capital(entry.signature));
+    text.push_str("\n## What it can be confused with\n\n");
+    if entry.confusable.is_empty() {
+        text.push_str("Nothing in the catalogue.\n");
+    }
+    for name in entry.confusable {
+        let _ = writeln!(text, "- [{name}]({name}.md)");
+    }
+    text
+}
+
+/// The friction law that an effect on the contact leads to.
+fn law(effect: &str) -> &'static str {
+    match effect {
+        "stiction" => "coulomb_stiction",
+        "stribeck" => "stribeck",
+        _ => "two_gaussian_mu",
+    }
+}
+
+fn parameters(entry: &Entry) -> &'static [ParameterInfo] {
+    if entry.is_law() {
+        return match law(entry.name) {
+            "coulomb_stiction" => CoulombStiction::<f64>::INFOS,
+            "stribeck" => Stribeck::<f64>::INFOS,
+            _ => TwoGaussianMu::<f64>::INFOS,
+        };
+    }
+    Effects::<f64>::infos(entry.name).unwrap_or_default()
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_has_an_equation_and_parameters_and_known_rivals() {
+        for entry in CATALOGUE {
+            let text = page(entry);
+            assert!(text.contains("## Equation"), "{}", entry.name);
+            assert!(!parameters(entry).is_empty(), "{}", entry.name);
+            for rival in entry.confusable {
+                assert!(CATALOGUE.iter().any(|other| other.name == *rival), "{} names {rival}", entry.name);
+            }
+        }
+    }
+
+    #[test]
+    fn the_committed_pages_are_those_of_the_catalogue() {
+        let directory = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/effects");
+        for (file, text) in pages() {
+            let committed = std::fs::read_to_string(directory.join(&file)).unwrap_or_default();
+            assert!(committed == text, "docs/effects/{file} is out of date: run `stickslip effects --out docs/effects`");
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! An experiment that would tell effects apart which the records cannot.
+//!
+//! Among a few inputs that the rig can be given, the one is proposed on which the rival, refitted, would stay furthest from
+//! what the amended model predicts.
+
+use stickslip::plant::Rig;
+
+use super::fit::{Data, Fit, grams, normal_equations, reduced};
+use super::hypothesis::Hypothesis;
+use super::marginal::Disturbance;
+use super::restart::{best_starts, course};
+use super::run::Run;
+use super::sensors::Sensors;
+use super::window::windows;
+use crate::component::{ComponentError, Native};
+use crate::files::record::{Record, RecordError};
+
+/// Length of the experiments [s] and the step of their inputs [s].
+const LENGTH: f64 = 40.0;
+const STEP: f64 = 0.01;
+/// Advantage in ln likelihood from which on one of two names counts as the right one.
+const DECISIVE: f64 = 4.0;
+
+/// Inputs that can be proposed.
+pub struct Inputs {
+    /// What is done, in words.
+    pub description: &'static str,
+    /// Speed that the voltage is chosen for [rad/s] and normal force [N] at a time [s].
+    shape: fn(f64) -> (f64, f64),
+}
+
+/// Values held one after the other for equal times.
+fn stairs(values: &[f64], time: f64) -> f64 {
+    let step = (time / LENGTH * values.len() as f64) as usize;
+    values[step.min(values.len() - 1)]
+}
+
+const CANDIDATES: [Inputs; 6] = [
+    Inputs {
+        description: "Without brake, at speeds from 1 to 9 rad/s forward and backward.",
+        shape: |t| (stairs(&[1.0, 3.0, 6.0, 9.0, -9.0, -6.0, -3.0, -1.0], t), 0.0),
+    },
+    Inputs {
+        description: "At 3 rad/s, with normal forces from 0 to 70 N.",
+        shape: |t| (3.0, stairs(&[0.0, 5.0, 10.0, 20.0, 35.0, 50.0, 60.0, 70.0], t)),
+    },
+    Inputs {
+        description: "At 9 rad/s, with normal forces from 0 to 70 N.",
+        shape: |t| (9.0, stairs(&[0.0, 5.0, 10.0, 20.0, 35.0, 50.0, 60.0, 70.0], t)),
+    },
+    Inputs {
+        description: "Under 30 N, reversing every 4 s between 6 rad/s forward and backward.",
+        shape: |t| (if (t / 4.0) as i64 % 2 == 0 { 6.0 } else { -6.0 }, 30.0),
+    },
+    Inputs {
+        description: "Under 20 N, while the speed rises evenly from 0.5 to 12 rad/s.",
+        shape: |t| (0.5 + 11.5 * t / LENGTH, 20.0),
+    },
+    Inputs {
+        description: "Speed and normal force both in steps: 2 and 8 rad/s under 10, 30 and 60 N.",
+        shape: |t| (stairs(&[2.0, 8.0, 2.0, 8.0, 2.0, 8.0], t), stairs(&[10.0, 10.0, 30.0, 30.0, 60.0, 60.0], t)),
+    },
+];
+
+/// The best of the candidates.
+pub struct Proposal {
+    /// Its inputs `u` and `N2` over time.
+    pub inputs: Record,
+    /// What is done, in words.
+    pub description: &'static str,
+    /// Probability that it decides, 0 … 1.
+    pub power: f64,
+}
+
+/// Proposes the experiment that separates `amended` best from its `rivals`; `None` where no rival could be fitted.
+///
+/// # Errors
+/// The amended model cannot run under any of the candidates' inputs.
+pub fn propose(amended: &Rig<f64>, rivals: &[Fit], sensors: &Sensors) -> Result<Option<Proposal>, ProposalError> {
+    let mut best: Option<(f64, &Inputs)> = None;
+    for candidate in &CANDIDATES {
+        let Ok(run) = predicted(amended, candidate) else { continue };
+        let back_emf = amended.gearbox.ratio * amended.motor.back_emf_constant;
+        let windows = windows(0, &run, back_emf, amended.motor.resistance);
+        let data = Data { runs: vec![run], windows, deviations: sensors.deviations() };
+        let own = Hypothesis { effects: vec![], rig: *amended, free: vec![], x: vec![] };
+        let least = remaining(&data, &own, &Disturbance::NONE);
+        let nearest = rivals
+            .iter()
+            .map(|rival| remaining(&data, &rival.hypothesis, &rival.disturbance) - least)
+            .fold(f64::INFINITY, f64::min);
+        if nearest.is_finite() && best.as_ref().is_none_or(|(distance, _)| nearest > *distance) {
+            best = Some((nearest, candidate));
+        }
+    }
+    let Some((distance, candidate)) = best else { return Ok(None) };
+    Ok(Some(Proposal { inputs: record(amended, candidate)?, description: candidate.description, power: power(distance) }))
+}
+
+/// Why no experiment can be proposed.
+#[derive(Debug, thiserror::Error)]
+pub enum ProposalError {
+    /// The model cannot be run.
+    #[error(transparent)]
+    Component(#[from] ComponentError),
+    /// The inputs are no record.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+}
+
+fn record(rig: &Rig<f64>, candidate: &Inputs) -> Result<Record, RecordError> {
+    let time: Vec<f64> = (0..=(LENGTH / STEP) as usize).map(|row| row as f64 * STEP).collect();
+    let (voltage, force) = time
+        .iter()
+        .map(|&t| {
+            let (speed, force) = (candidate.shape)(t);
+            (rig.voltage_for_speed(speed), force)
+        })
+        .unzip();
+    let mut record = Record::new("experiment.csv", time)?;
+    record.add_column("u", voltage)?;
+    record.add_column("N2", force)?;
+    Ok(record)
+}
+
+/// What the model predicts under the inputs, without noise.
+fn predicted(rig: &Rig<f64>, candidate: &Inputs) -> Result<Run, ProposalError> {
+    let inputs = record(rig, candidate)?;
+    let column = |name: &str| inputs.require(name).map(<[f64]>::to_vec);
+    let mut run = Run {
+        name: "prediction".to_owned(),
+        time: inputs.time().to_vec(),
+        voltage: column("u")?,
+        normal_force: column("N2")?,
+        readings: Default::default(),
+    };
+    let mut native = Native::from_text(&rig.to_toml(), "the amended model")?;
+    let rest = [0.0; stickslip::plant::STATES];
+    run.readings = course(&mut native, &run, 0, run.len() - 1, &rest)?.0;
+    Ok(run)
+}
+
+/// Sum of squares that a hypothesis leaves after its free numbers and the windows' starts are refitted to first order.
+fn remaining(data: &Data, hypothesis: &Hypothesis, disturbance: &Disturbance) -> f64 {
+    let Ok(rig) = hypothesis.rig_at() else { return f64::INFINITY };
+    let starts = best_starts(data, &rig).states;
+    let forms = reduced(data, &starts, &grams(data, hypothesis, &starts), disturbance);
+    let precisions = hypothesis.prior_precisions();
+    let (curvature, gradient) = normal_equations(forms.iter().flatten(), &precisions, &hypothesis.x);
+    let Some(step) = curvature.clone().cholesky().map(|c| c.solve(&gradient)) else { return f64::INFINITY };
+    let square: f64 = forms.iter().flatten().map(|form| form.square).sum();
+    square - gradient.dot(&step)
+}
+
+/// Probability that an advantage with the expectation `distance`/2 and the variance `distance` is decisive.
+fn power(distance: f64) -> f64 {
+    if distance <= 0.0 {
+        return 0.0;
+    }
+    let z = (0.5 * distance - DECISIVE) / distance.sqrt();
+    0.5 * complementary_error(-z / std::f64::consts::SQRT_2)
+}
+
+/// Complementary error function to 1.2e-7 (Numerical Recipes, Chebyshev fit in Section 6.2).
+fn complementary_error(x: f64) -> f64 {
+    const COEFFICIENTS: [f64; 10] = [
+        -1.265_512_23, 1.000_023_68, 0.374_091_96, 0.096_784_18, -0.186_288_06, 0.278_868_07, -1.135_203_98,
+        1.488_515_87, -0.822_152_23, 0.170_872_77,
+    ];
+    let t = 1.0 / (1.0 + 0.5 * x.abs());
+    let polynomial = COEFFICIENTS.iter().rev().fold(0.0, |sum, c| sum * t + c);
+    let value = t * (-x * x + polynomial).exp();
+    if x >= 0.0 { value } else { 2.0 - value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn power_grows_from_nothing_to_certainty() {
+        assert_eq!(power(0.0), 0.0);
+        assert!((power(8.0) - 0.5).abs() < 1e-6);
+        assert!(power(100.0) > 0.9999);
+        assert!(power(2.0) < 0.05);
+    }
+
+    #[test]
+    fn error_function_at_known_points() {
+        for (x, value) in [(0.0, 1.0), (1.0, 0.157_299_207), (-1.0, 1.842_700_793), (2.0, 0.004_677_735)] {
+            assert!((complementary_error(x) - value).abs() < 2e-7, "{x}");
+        }
+    }
+
+    #[test]
+    fn stairs_end_on_the_last_step() {
+        assert_eq!(stairs(&[1.0, 2.0], 0.0), 1.0);
+        assert_eq!(stairs(&[1.0, 2.0], 20.0), 2.0);
+        assert_eq!(stairs(&[1.0, 2.0], 40.0), 2.0);
+    }
+}

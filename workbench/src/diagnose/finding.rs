@@ -1,0 +1,380 @@
+//! `finding.json`: what a diagnosis found, as it is written and read.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::files::atomic::{self, WriteError};
+
+/// Name of the file in the output directory.
+pub const FILE: &str = "finding.json";
+
+/// What a diagnosis comes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum VerdictName {
+    /// The model explains the records.
+    NothingMissing,
+    /// Other nominal parameters explain the records; no effect is missing.
+    Parameters,
+    /// The effects named are missing.
+    Named,
+    /// One of several effects is missing; these records cannot tell which.
+    Ambiguous,
+    /// Something is missing that no effect of the catalogue explains.
+    NotInCatalogue,
+}
+
+impl VerdictName {
+    /// The verdict as written in the file.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::NothingMissing => "nothing_missing",
+            Self::Parameters => "parameters",
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::NotInCatalogue => "not_in_catalogue",
+        }
+    }
+}
+
+/// All that was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// What it comes to.
+    pub verdict: VerdictName,
+    /// What was added to the model, strongest first.
+    pub effects: Vec<FoundEffect>,
+    /// Names of effects that these records cannot tell apart from those added.
+    pub alternatives: Vec<String>,
+    /// An experiment that would tell the alternatives apart.
+    pub experiment: Option<Experiment>,
+    /// Every candidate, best first.
+    pub ranking: Vec<Ranked>,
+    /// Coordinates over which the analyst's model leaves structure, strongest first.
+    #[serde(rename = "where")]
+    pub structure: Vec<Located>,
+    /// Coordinates over which the amended model still does, strongest first.
+    pub structure_left: Vec<Located>,
+    /// Refitted nominal parameters by dotted name.
+    pub parameters: BTreeMap<String, ParameterValue>,
+    /// How much of the held-out record's gap is closed; absent before the stage `show`.
+    pub gap: Option<Gap>,
+    /// Standard deviation of the random friction seen in the records, relative to the friction torque.
+    pub friction_fluctuation: f64,
+    /// Names of effects that were taken out of the catalogue.
+    pub without: Vec<String>,
+    /// What had to be said about the records.
+    pub notes: Vec<String>,
+    /// Time from reading the files to the finished finding [s].
+    pub seconds: f64,
+}
+
+/// An effect that was added.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FoundEffect {
+    /// Name in the catalogue.
+    pub name: String,
+    /// Probability that it is this one, 0 … 1.
+    pub probability: f64,
+    /// Its numbers by their short names.
+    pub parameters: BTreeMap<String, ParameterValue>,
+}
+
+/// A number with its uncertainty.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParameterValue {
+    /// Value in `unit`.
+    pub value: f64,
+    /// Interval that covers the number with 95 % probability; absent for a number that was not fitted.
+    pub interval95: Option<[f64; 2]>,
+    /// Unit.
+    pub unit: String,
+    /// Dotted name in the model file.
+    pub model_parameter: String,
+}
+
+/// A candidate with what it gains.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Ranked {
+    /// Name in the catalogue.
+    pub name: String,
+    /// Gain in ln likelihood on windows it was not fitted to.
+    pub gain: f64,
+    /// Interval that covers the gain with 95 % probability.
+    pub interval95: [f64; 2],
+}
+
+/// Structure over one coordinate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Located {
+    /// Coordinate, for instance `disc_angle`.
+    pub coordinate: String,
+    /// Equation whose torque is meant: `disc`, `shaft` or `motor`.
+    pub equation: String,
+    /// Gain in ln likelihood of a free function of the coordinate, on windows it was not fitted to.
+    pub gain: f64,
+    /// Interval that covers the gain with 95 % probability.
+    pub interval95: [f64; 2],
+    /// Whether the gain is beyond what chance gives among all coordinates looked at.
+    pub significant: bool,
+}
+
+/// An experiment that would tell alternatives apart.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Experiment {
+    /// File beside the finding: the inputs `u` [V] and `N2` [N] over `time` [s].
+    pub file: String,
+    /// What it does, in words.
+    pub description: String,
+    /// Probability that it decides between the alternatives, 0 … 1.
+    pub expected_power: f64,
+}
+
+/// How far the held-out record was explained before and after.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Gap {
+    /// Restarted windows, the models run natively.
+    pub held_out: WindowError,
+    /// One run from the record's start.
+    pub free_run: FreeRun,
+    /// Restarted windows through the built FMUs.
+    pub through_fmu: ThroughFmu,
+    /// Windows of the record.
+    pub windows: usize,
+    /// Windows left aside because one of the models could not run through them.
+    pub windows_left_aside: usize,
+}
+
+/// Error of restarted windows: root mean square of model minus reading in units of the sensors' deviations.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WindowError {
+    /// The analyst's model.
+    pub before: f64,
+    /// The amended model.
+    pub after: f64,
+    /// What sensors and random friction alone give.
+    pub noise_floor: f64,
+    /// (before² − after²)/(before² − noise_floor²); absent where `before` is within the floor's own scatter.
+    pub closed: Option<f64>,
+}
+
+/// The same through FMUs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ThroughFmu {
+    /// Through the FMUs for FMI 3.0.
+    #[serde(flatten)]
+    pub fmi3: WindowError,
+    /// Error of the analyst's model through the FMU for FMI 2.0.
+    pub fmi2_before: f64,
+    /// Error of the amended model through the FMU for FMI 2.0.
+    pub fmi2_after: f64,
+}
+
+/// Measures of the free run before and after.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FreeRun {
+    /// The analyst's model.
+    pub before: Measures,
+    /// The amended model.
+    pub after: Measures,
+    /// The amended model through its FMU for FMI 3.0.
+    pub after_through_fmu: Measures,
+    /// Mean speed of the gearbox output that `nrmse` is related to [rad/s].
+    pub reference_speed: f64,
+}
+
+/// The dissertation's measures of the disc's velocity; absent where the series has none.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Measures {
+    /// Root mean square error [rad/s].
+    pub rmse: Option<f64>,
+    /// The same over the reference speed.
+    pub nrmse: Option<f64>,
+    /// Pearson's correlation.
+    pub pc: Option<f64>,
+    /// Amplitude pulse level.
+    pub apl: Option<f64>,
+}
+
+/// Why a finding cannot be read.
+#[derive(Debug, Error)]
+pub enum FindingError {
+    /// The file cannot be read.
+    #[error(
+        "{path}: {source}; run `stickslip name` or `stickslip diagnose` into this directory first"
+    )]
+    Read {
+        /// The file.
+        path: String,
+        /// The operating system's reason.
+        source: std::io::Error,
+    },
+    /// The file is no finding.
+    #[error("{path}: {source}")]
+    Syntax {
+        /// The file.
+        path: String,
+        /// What the parser says, with the line.
+        source: serde_json::Error,
+    },
+    /// The file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+impl Finding {
+    /// Reads `finding.json` of a directory.
+    ///
+    /// # Errors
+    /// [`FindingError`], naming the file and what is wrong.
+    pub fn read(directory: &Path) -> Result<Self, FindingError> {
+        let path = directory.join(FILE);
+        let name = path.display().to_string();
+        let text = fs::read_to_string(&path).map_err(|source| FindingError::Read {
+            path: name.clone(),
+            source,
+        })?;
+        serde_json::from_str(&text).map_err(|source| FindingError::Syntax { path: name, source })
+    }
+
+    /// Writes `finding.json` into a directory, whole or not at all.
+    ///
+    /// # Errors
+    /// [`FindingError::Write`] or, for numbers that JSON cannot hold, [`FindingError::Syntax`].
+    pub fn write(&self, directory: &Path) -> Result<(), FindingError> {
+        let path = directory.join(FILE);
+        let mut text =
+            serde_json::to_string_pretty(self).map_err(|source| FindingError::Syntax {
+                path: path.display().to_string(),
+                source,
+            })?;
+        text.push('\n');
+        Ok(atomic::write_file(&path, text.as_bytes())?)
+    }
+
+    /// Whether the model is now right as far as the records tell: nothing missing, or the gap closed.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        match self.verdict {
+            VerdictName::NothingMissing => true,
+            VerdictName::NotInCatalogue => false,
+            VerdictName::Parameters | VerdictName::Named | VerdictName::Ambiguous => self
+                .gap
+                .as_ref()
+                .is_none_or(|gap| gap.through_fmu.fmi3.is_closed()),
+        }
+    }
+}
+
+/// Share of the gap from which on it counts as closed: the worst tenth of right amendments is above it.
+const CLOSED: f64 = 0.9;
+
+impl WindowError {
+    /// Whether the gap is closed, or there was none.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.closed.is_none_or(|closed| closed >= CLOSED)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finding() -> Finding {
+        let errors = WindowError {
+            before: 5.0,
+            after: 1.1,
+            noise_floor: 1.0,
+            closed: Some(0.99125),
+        };
+        let measures = Measures {
+            rmse: Some(0.5),
+            nrmse: Some(0.1),
+            pc: None,
+            apl: Some(0.2),
+        };
+        Finding {
+            verdict: VerdictName::Named,
+            effects: vec![FoundEffect {
+                name: "unbalance".into(),
+                probability: 0.99,
+                parameters: BTreeMap::from([(
+                    "unbal_T".into(),
+                    ParameterValue {
+                        value: 0.04,
+                        interval95: Some([0.039, 0.041]),
+                        unit: "N.m".into(),
+                        model_parameter: "unbalance.torque".into(),
+                    },
+                )]),
+            }],
+            alternatives: vec![],
+            experiment: None,
+            ranking: vec![],
+            structure: vec![],
+            structure_left: vec![],
+            parameters: BTreeMap::new(),
+            gap: Some(Gap {
+                held_out: errors,
+                free_run: FreeRun {
+                    before: measures,
+                    after: measures,
+                    after_through_fmu: measures,
+                    reference_speed: 5.0,
+                },
+                through_fmu: ThroughFmu {
+                    fmi3: errors,
+                    fmi2_before: 5.0,
+                    fmi2_after: 1.1,
+                },
+                windows: 80,
+                windows_left_aside: 0,
+            }),
+            friction_fluctuation: 0.0,
+            without: vec![],
+            notes: vec![],
+            seconds: 1.0,
+        }
+    }
+
+    #[test]
+    fn the_file_has_the_names_that_readers_expect_and_survives() {
+        let place = tempfile::tempdir().unwrap();
+        finding().write(place.path()).unwrap();
+        assert_eq!(Finding::read(place.path()).unwrap(), finding());
+        let text = fs::read_to_string(place.path().join(FILE)).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(json["verdict"], "named");
+        assert_eq!(json["effects"][0]["parameters"]["unbal_T"]["value"], 0.04);
+        assert_eq!(json["gap"]["through_fmu"]["closed"], 0.99125);
+        assert!(json["where"].is_array());
+    }
+
+    #[test]
+    fn settled_is_what_the_exit_code_says() {
+        let mut finding = finding();
+        assert!(finding.is_settled());
+        if let Some(gap) = &mut finding.gap {
+            gap.through_fmu.fmi3.closed = Some(0.5);
+        }
+        assert!(!finding.is_settled());
+        finding.verdict = VerdictName::NothingMissing;
+        assert!(finding.is_settled());
+        finding.verdict = VerdictName::NotInCatalogue;
+        assert!(!finding.is_settled());
+    }
+
+    #[test]
+    fn a_missing_finding_says_what_to_run() {
+        let error = Finding::read(Path::new("/nowhere"))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("stickslip name"), "{error}");
+    }
+}

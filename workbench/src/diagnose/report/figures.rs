@@ -1,0 +1,381 @@
+//! The pictures of the report.
+
+use std::f64::consts::{PI, TAU};
+
+use stickslip::friction::acceleration_angle;
+
+use crate::analysis::spectrum::Spectrum;
+use crate::diagnose::finding::{Finding, Ranked};
+use crate::diagnose::residual_torque::ResidualTorque;
+use crate::diagnose::run::Run;
+use crate::diagnose::show::{Comparison, Shown};
+use crate::diagnose::window::PIECE;
+use crate::plot::{Axis, Bar, Bars, Chart, Figure, Marker, Panel, Style};
+
+/// Bins of a residual torque over a coordinate.
+const BINS: usize = 24;
+/// Candidates shown in the ranking.
+const SHOWN_CANDIDATES: usize = 12;
+/// Length of the stretch shown in the time series of windows [s].
+const SHOWN_TIME: f64 = 10.0;
+/// Scales of the phase-plane angle where no law states its own [rad/s], [rad/s²].
+const ANGLE_SCALES: (f64, f64) = (6.0, 45.0);
+
+fn before() -> Style {
+    Style::series(1)
+}
+
+fn after() -> Style {
+    Style::series(0)
+}
+
+fn scatter() -> Style {
+    Style {
+        colour: "#e8b9a2",
+        ..Style::series(1)
+    }
+    .wide(0.0)
+}
+
+/// Residual torques of both models over every coordinate.
+pub fn residuals(before_all: &[ResidualTorque], after_all: &[ResidualTorque]) -> Figure {
+    let sliding = |all: &[ResidualTorque]| -> Vec<ResidualTorque> {
+        all.iter().filter(|r| r.place.sliding).copied().collect()
+    };
+    let (old, new) = (sliding(before_all), sliding(after_all));
+    let disc = |label: &str, title: &str, of: fn(&ResidualTorque) -> f64| -> Box<dyn Panel> {
+        Box::new(over(label, title, &old, &new, of, |r| r.disc))
+    };
+    Figure::new("")
+        .row(
+            250.0,
+            vec![
+                disc("time [s]", "over time", |r| r.place.time),
+                disc("disc velocity θ̇₂ [rad/s]", "over velocity", |r| {
+                    r.place.speed
+                }),
+            ],
+        )
+        .row(
+            250.0,
+            vec![
+                disc("α [rad]", "over the phase-plane angle", |r| r.place.alpha),
+                disc(
+                    "disc angle θ₂ modulo 2π [rad]",
+                    "over the disc's angle",
+                    |r| r.place.disc_angle.rem_euclid(TAU),
+                ),
+            ],
+        )
+        .row(
+            250.0,
+            vec![
+                disc("normal force N₂ [N]", "over the normal force", |r| {
+                    r.place.normal_force
+                }),
+                Box::new(over(
+                    "motor angle η θ₃ modulo 2π [rad]",
+                    "torque on the gearbox output over the motor's angle",
+                    before_all,
+                    after_all,
+                    |r| (8.0 * r.place.gear_angle).rem_euclid(TAU),
+                    |r| r.motor,
+                )),
+            ],
+        )
+        .row(
+            250.0,
+            vec![
+                Box::new(
+                    Chart::new(
+                        Axis::new("order of the disc's angle"),
+                        Axis::new("amplitude [N m]"),
+                    )
+                    .title("orders")
+                    .line("before", &orders(), &order_amplitudes(&old), before())
+                    .line("after", &orders(), &order_amplitudes(&new), after()),
+                ),
+                Box::new(frequencies(before_all, after_all)),
+            ],
+        )
+}
+
+/// Single values before, and means of bins before and after.
+fn over(
+    label: &str,
+    title: &str,
+    old: &[ResidualTorque],
+    new: &[ResidualTorque],
+    coordinate: impl Fn(&ResidualTorque) -> f64,
+    torque: impl Fn(&ResidualTorque) -> f64,
+) -> Chart {
+    let series = |all: &[ResidualTorque]| -> (Vec<f64>, Vec<f64>) {
+        (
+            all.iter().map(&coordinate).collect(),
+            all.iter().map(&torque).collect(),
+        )
+    };
+    let (x, y) = series(old);
+    let (new_x, new_y) = series(new);
+    let (middle, mean) = binned(&x, &y);
+    let (new_middle, new_mean) = binned(&new_x, &new_y);
+    Chart::new(Axis::new(label), Axis::new("residual torque [N m]"))
+        .title(title)
+        .points("", &x, &y, Marker::Dot, scatter())
+        .horizontal("", 0.0, Style::reference())
+        .line("before", &middle, &mean, before().wide(2.0))
+        .line("after", &new_middle, &new_mean, after().wide(2.0))
+}
+
+/// Middles and means of bins of equal width that hold at least three values.
+fn binned(x: &[f64], y: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (low, high) = x.iter().fold((f64::MAX, f64::MIN), |(low, high), v| {
+        (low.min(*v), high.max(*v))
+    });
+    if high <= low {
+        return (Vec::new(), Vec::new());
+    }
+    let width = (high - low) / BINS as f64;
+    let mut bins = vec![(0.0, 0_usize); BINS];
+    for (x, y) in x.iter().zip(y) {
+        let bin = &mut bins[(((x - low) / width) as usize).min(BINS - 1)];
+        bin.0 += y;
+        bin.1 += 1;
+    }
+    bins.iter()
+        .enumerate()
+        .filter(|(_, (_, count))| *count >= 3)
+        .map(|(j, (sum, count))| (low + (j as f64 + 0.5) * width, sum / *count as f64))
+        .unzip()
+}
+
+fn orders() -> Vec<f64> {
+    (2..=40).map(|j| 0.1 * f64::from(j)).collect()
+}
+
+/// Amplitude of the disc torque's part at each order of the disc's angle.
+fn order_amplitudes(all: &[ResidualTorque]) -> Vec<f64> {
+    let mean = all.iter().map(|r| r.disc).sum::<f64>() / all.len().max(1) as f64;
+    orders()
+        .iter()
+        .map(|order| {
+            let (mut cosine, mut sine) = (0.0, 0.0);
+            for r in all {
+                let (s, c) = (order * r.place.disc_angle).sin_cos();
+                cosine += (r.disc - mean) * c;
+                sine += (r.disc - mean) * s;
+            }
+            2.0 * cosine.hypot(sine) / all.len().max(1) as f64
+        })
+        .collect()
+}
+
+fn frequencies(old: &[ResidualTorque], new: &[ResidualTorque]) -> Chart {
+    let spectrum = |all: &[ResidualTorque]| {
+        let first_run: Vec<f64> = all
+            .iter()
+            .filter(|r| r.run == 0)
+            .map(|r| if r.place.sliding { r.disc } else { 0.0 })
+            .collect();
+        Spectrum::new(&first_run, PIECE)
+    };
+    let mut chart = Chart::new(
+        Axis::new("frequency [Hz]").range(0.0, 5.0),
+        Axis::new("amplitude [N m]"),
+    )
+    .title("frequencies, first record");
+    for (label, all, style) in [("before", old, before()), ("after", new, after())] {
+        if let Some(spectrum) = spectrum(all) {
+            chart = chart.line(label, &spectrum.frequency, &spectrum.amplitude, style);
+        }
+    }
+    chart
+}
+
+/// What each candidate gains.
+pub fn ranking(finding: &Finding) -> Figure {
+    let bars: Vec<Bar> = finding
+        .ranking
+        .iter()
+        .take(SHOWN_CANDIDATES)
+        .map(
+            |Ranked {
+                 name,
+                 gain,
+                 interval95,
+             }| Bar {
+                name: name.replace('_', " "),
+                value: *gain,
+                interval: Some((interval95[0], interval95[1])),
+                stressed: finding.effects.iter().any(|effect| effect.name == *name),
+            },
+        )
+        .collect();
+    let bars = Bars::new(
+        Axis::new("gain in ln likelihood on windows not fitted to"),
+        bars,
+    );
+    let height = bars.natural_height();
+    Figure::new("").panel(height, bars)
+}
+
+/// The held-out record's velocity: measured, restarted windows and free run.
+pub fn time_series(comparison: &Comparison) -> Figure {
+    let run = &comparison.data.runs[comparison.free_stretch];
+    let end = run.time[0] + SHOWN_TIME.min(run.time[run.len() - 1] - run.time[0]);
+    let axis = || Axis::new("time [s]");
+    let velocity = || Axis::new("θ̇₂ [rad/s]");
+    let mut windows = Chart::new(axis().range(run.time[0], end), velocity())
+        .title("restarted windows, first seconds")
+        .line("measured", &run.time, &run.readings[1], Style::measured());
+    let mut free = Chart::new(axis(), velocity())
+        .title("free run from the record's start")
+        .line("measured", &run.time, &run.readings[1], Style::measured());
+    for (label, shown, style) in [
+        ("before", &comparison.before, before()),
+        ("after", &comparison.after, after()),
+    ] {
+        let (time, values) = joined(comparison, shown);
+        windows = windows.line(label, &time, &values, style);
+        if !shown.free_run[1].is_empty() {
+            free = free.line(label, &run.time, &shown.free_run[1], style);
+        }
+    }
+    Figure::new("").panel(270.0, windows).panel(270.0, free)
+}
+
+/// Velocities of all windows of the free run's stretch, with breaks between the windows.
+fn joined(comparison: &Comparison, shown: &Shown) -> (Vec<f64>, Vec<f64>) {
+    let (mut time, mut values) = (Vec::new(), Vec::new());
+    for (window, course) in comparison.data.windows.iter().zip(&shown.windows) {
+        let Some(course) = course else { continue };
+        if window.run != comparison.free_stretch {
+            continue;
+        }
+        time.extend(&comparison.data.runs[window.run].time[window.first..=window.last]);
+        values.extend(&course.values[1]);
+        time.push(f64::NAN);
+        values.push(f64::NAN);
+    }
+    (time, values)
+}
+
+/// Phase portrait and friction characteristics on the held-out record.
+pub fn portraits(comparison: &Comparison) -> Figure {
+    let run = &comparison.data.runs[comparison.free_stretch];
+    let settled = run.len() / 2;
+    let twist = |channels: &[Vec<f64>; 4]| -> Vec<f64> {
+        channels[2]
+            .iter()
+            .zip(&channels[0])
+            .skip(settled)
+            .map(|(output, disc)| output - disc)
+            .collect()
+    };
+    let mut portrait = Chart::new(Axis::new("θ₃ − θ₂ [rad]"), Axis::new("θ̇₂ [rad/s]"))
+        .title("phase portrait, second half of the free run")
+        .line(
+            "measured",
+            &twist(&run.readings),
+            &run.readings[1][settled..],
+            Style::measured(),
+        );
+    let mut velocity = Chart::new(Axis::new("θ̇₂ [rad/s]"), Axis::new("T_f [N m]"))
+        .title("friction torque over velocity");
+    let mut angle = Chart::new(
+        Axis::new("α [rad]").range(-PI, PI),
+        Axis::new("T_f sign θ̇₂ [N m]"),
+    )
+    .title("friction torque over the phase-plane angle");
+    for (label, shown, style) in [
+        ("before", &comparison.before, before()),
+        ("after", &comparison.after, after()),
+    ] {
+        if !shown.free_run[1].is_empty() {
+            portrait = portrait.line(
+                label,
+                &twist(&shown.free_run),
+                &shown.free_run[1][settled..],
+                style,
+            );
+        }
+        let characteristic = characteristic(comparison, shown);
+        let dots = style.wide(0.0);
+        velocity = velocity.points(
+            label,
+            &characteristic.speed,
+            &characteristic.friction,
+            Marker::Dot,
+            dots,
+        );
+        angle = angle.points(
+            label,
+            &characteristic.alpha,
+            &characteristic.along,
+            Marker::Dot,
+            dots,
+        );
+    }
+    Figure::new("")
+        .panel(340.0, portrait)
+        .row(320.0, vec![Box::new(velocity), Box::new(angle)])
+}
+
+struct Characteristic {
+    speed: Vec<f64>,
+    friction: Vec<f64>,
+    alpha: Vec<f64>,
+    along: Vec<f64>,
+}
+
+/// Friction torque wherever the disc slides in the restarted windows.
+fn characteristic(comparison: &Comparison, shown: &Shown) -> Characteristic {
+    let mut found = Characteristic {
+        speed: vec![],
+        friction: vec![],
+        alpha: vec![],
+        along: vec![],
+    };
+    for (window, course) in comparison.data.windows.iter().zip(&shown.windows) {
+        let Some(course) = course else { continue };
+        let speed = &course.values[1];
+        let interval = comparison.data.runs[window.run].interval();
+        for j in (1..speed.len().saturating_sub(1)).step_by(2) {
+            if speed[j].abs() < 0.05 {
+                continue;
+            }
+            let acceleration = (speed[j + 1] - speed[j - 1]) / (2.0 * interval);
+            let sign = speed[j].signum();
+            found.speed.push(speed[j]);
+            found.friction.push(course.friction[j]);
+            found.alpha.push(acceleration_angle(
+                sign * speed[j],
+                sign * acceleration,
+                ANGLE_SCALES.0,
+                ANGLE_SCALES.1,
+            ));
+            found.along.push(sign * course.friction[j]);
+        }
+    }
+    found
+}
+
+/// Spectra of the disc's velocity.
+pub fn spectra(comparison: &Comparison) -> Figure {
+    let run: &Run = &comparison.data.runs[comparison.free_stretch];
+    let mut chart = Chart::new(
+        Axis::new("frequency [Hz]").range(0.0, 6.0),
+        Axis::new("amplitude of θ̇₂ [rad/s]"),
+    );
+    let series = [
+        ("measured", &run.readings[1], Style::measured()),
+        ("before", &comparison.before.free_run[1], before()),
+        ("after", &comparison.after.free_run[1], after()),
+    ];
+    for (label, values, style) in series {
+        if let Some(spectrum) = Spectrum::new(values, run.interval()) {
+            chart = chart.line(label, &spectrum.frequency, &spectrum.amplitude, style);
+        }
+    }
+    Figure::new("").panel(280.0, chart)
+}

@@ -1,0 +1,325 @@
+//! Restarted windows: where each starts, how far a component then goes wrong, and how far the right one would.
+//!
+//! A window starts from the state from which the model fits its readings best, with the measured motion as prior; the
+//! start is found natively and then set in whatever component is run, so that the model and its FMUs are judged alike.
+
+use nalgebra::{DMatrix, DVector};
+use stickslip::plant::{Rig, RigState, index};
+
+use super::fit::{Data, grams, reduced};
+use super::gram::Gram;
+use super::hypothesis::Hypothesis;
+use super::marginal::{Disturbance, Reduced};
+use super::run::{CHANNELS, Run};
+use super::window::{PIECE, START_COMPONENTS, Window};
+use crate::component::{Component, ComponentError, position};
+
+/// Most improvements of a window's start.
+const MOST_IMPROVEMENTS: usize = 8;
+/// Decrease of a window's sum of squares below which its start is good.
+const GOOD: f64 = 0.01;
+
+/// Where windows start under a model, and what the right model would leave.
+#[derive(Debug, Clone)]
+pub struct Starts {
+    /// State at each window's first sample.
+    pub states: Vec<RigState<f64>>,
+    /// Derivatives of each window there; `None` where the model cannot run.
+    pub grams: Vec<Option<Gram>>,
+}
+
+/// The best starts of all windows under `rig`.
+#[must_use]
+pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
+    let hypothesis = Hypothesis {
+        effects: Vec::new(),
+        rig: *rig,
+        free: Vec::new(),
+        x: Vec::new(),
+    };
+    let mut states: Vec<RigState<f64>> = data.windows.iter().map(|window| window.anchor).collect();
+    let mut present = grams(data, &hypothesis, &states);
+    let mut forms = reduced(data, &states, &present, &Disturbance::NONE);
+    let nothing = DVector::zeros(0);
+    let mut open: Vec<usize> = (0..states.len()).collect();
+    // Shares of the full step that are tried in turn where it makes a window worse.
+    let mut shares = vec![1.0; states.len()];
+    for _ in 0..MOST_IMPROVEMENTS {
+        let part = part(data, &open);
+        let trial: Vec<RigState<f64>> = open
+            .iter()
+            .map(|&at| moved(&states[at], &forms[at], &nothing, shares[at]))
+            .collect();
+        let trial_grams = grams(&part, &hypothesis, &trial);
+        let trial_forms = reduced(&part, &trial, &trial_grams, &Disturbance::NONE);
+        let mut still_open = Vec::new();
+        for (((at, state), gram), form) in open.iter().zip(trial).zip(trial_grams).zip(trial_forms)
+        {
+            let (before, after) = (
+                misfit(&present[*at], &states[*at], data, *at),
+                misfit(&gram, &state, data, *at),
+            );
+            if after < before {
+                states[*at] = state;
+                present[*at] = gram;
+                forms[*at] = form;
+                shares[*at] = 1.0;
+                if before - after > GOOD {
+                    still_open.push(*at);
+                }
+            } else if before.is_finite() && shares[*at] > 0.2 {
+                shares[*at] *= 0.3;
+                still_open.push(*at);
+            }
+        }
+        open = still_open;
+        if open.is_empty() {
+            break;
+        }
+    }
+    Starts {
+        states,
+        grams: present,
+    }
+}
+
+fn part(data: &Data, windows: &[usize]) -> Data {
+    Data {
+        windows: windows.iter().map(|&at| data.windows[at].clone()).collect(),
+        ..data.clone()
+    }
+}
+
+fn moved(
+    state: &RigState<f64>,
+    form: &Option<Reduced>,
+    nothing: &DVector<f64>,
+    share: f64,
+) -> RigState<f64> {
+    let mut state = *state;
+    if let Some(form) = form {
+        for (component, change) in START_COMPONENTS.into_iter().zip(form.start_change(nothing)) {
+            state[component] += share * change;
+        }
+    }
+    state
+}
+
+/// Sum of squares of a window at its start, with the prior's part; infinite where the model cannot run.
+fn misfit(gram: &Option<Gram>, state: &RigState<f64>, data: &Data, at: usize) -> f64 {
+    let window = &data.windows[at];
+    let Some(gram) = gram else {
+        return f64::INFINITY;
+    };
+    let prior: f64 = START_COMPONENTS
+        .iter()
+        .zip(window.deviations)
+        .map(|(&component, deviation)| {
+            ((state[component] - window.anchor[component]) / deviation).powi(2)
+        })
+        .sum();
+    gram.products[(gram.residual(), gram.residual())] + prior
+}
+
+impl Starts {
+    /// Sum of squares that each window would show, on average, if the model were right and only the sensors and random
+    /// friction of `disturbance` differed.
+    #[must_use]
+    pub fn floors(&self, data: &Data, disturbance: &Disturbance) -> Vec<Option<f64>> {
+        self.grams
+            .iter()
+            .zip(&data.windows)
+            .map(|(gram, window)| {
+                gram.as_ref()
+                    .and_then(|gram| floor(gram, window, disturbance))
+            })
+            .collect()
+    }
+}
+
+fn floor(gram: &Gram, window: &Window, disturbance: &Disturbance) -> Option<f64> {
+    let starts = START_COMPONENTS.len();
+    let pieces = gram.pieces;
+    let own = gram.products.view((0, 0), (starts, starts)).into_owned();
+    let mut penalised = own.clone();
+    for (j, deviation) in window.deviations.iter().enumerate() {
+        penalised[(j, j)] += 1.0 / (deviation * deviation);
+    }
+    let inverse = penalised.cholesky()?.inverse();
+    let hat = &inverse * &own;
+    let noise = gram.residuals as f64 - 2.0 * hat.trace() + (&hat * &hat).trace();
+    if disturbance.relative == 0.0 {
+        return Some(noise);
+    }
+    let torque = gram
+        .products
+        .view((Gram::DISC, Gram::DISC), (pieces, pieces))
+        .into_owned();
+    let cross = gram
+        .products
+        .view((0, Gram::DISC), (starts, pieces))
+        .into_owned();
+    let solved = &inverse * &cross;
+    let left = torque - cross.transpose() * &solved * 2.0 + solved.transpose() * own * &solved;
+    let covariance = DMatrix::from_fn(pieces, pieces, |i, j| {
+        let lag = i.abs_diff(j) as f64 * PIECE / disturbance.correlation_time;
+        disturbance.relative.powi(2)
+            * gram.places[i].friction
+            * gram.places[j].friction
+            * (-lag).exp()
+    });
+    Some(noise + (left * covariance).trace())
+}
+
+/// A window as a component ran it.
+#[derive(Debug, Clone)]
+pub struct WindowCourse {
+    /// Values of θ2, ω2, θ3, ω3 at the window's samples.
+    pub values: [Vec<f64>; CHANNELS],
+    /// Friction torque on the disc at the window's samples [N m].
+    pub friction: Vec<f64>,
+    /// Sum of the squared differences from the readings in units of the sensors' deviations.
+    pub square: f64,
+    /// Number of differences.
+    pub residuals: usize,
+}
+
+/// Positions of what is set and read in a component.
+struct Ports {
+    inputs: [usize; 2],
+    states: Vec<(usize, usize)>,
+    outputs: [usize; 5],
+}
+
+impl Ports {
+    fn of(component: &dyn Component) -> Result<Self, ComponentError> {
+        let at = |name: &str| position(component, name);
+        let mut states = Vec::new();
+        for (name, state) in [
+            ("theta", index::THETA),
+            ("theta_dot", index::OMEGA),
+            ("theta3", index::THETA3),
+            ("theta3_dot", index::OMEGA3),
+            ("i", index::CURRENT),
+        ] {
+            states.push((at(name)?, state));
+        }
+        if let Ok(relaxing) = at("shaft_hysteresis_torque") {
+            states.push((relaxing, index::RELAXING_TORQUE));
+        }
+        Ok(Self {
+            inputs: [at("u")?, at("N2")?],
+            states,
+            outputs: [
+                at("theta")?,
+                at("theta_dot")?,
+                at("theta3")?,
+                at("theta3_dot")?,
+                at("T_f")?,
+            ],
+        })
+    }
+
+    fn start(
+        &self,
+        component: &mut dyn Component,
+        run: &Run,
+        from: usize,
+        to: usize,
+        state: &RigState<f64>,
+    ) -> Result<(), ComponentError> {
+        component.reset()?;
+        let mut values: Vec<(usize, f64)> = self
+            .states
+            .iter()
+            .map(|&(at, index)| (at, state[index]))
+            .collect();
+        values.extend(self.held(run, from));
+        component.set(&values)?;
+        component.initialise(run.time[from], run.time[to])
+    }
+
+    fn held(&self, run: &Run, sample: usize) -> [(usize, f64); 2] {
+        [
+            (self.inputs[0], run.voltage[sample]),
+            (self.inputs[1], run.normal_force[sample]),
+        ]
+    }
+}
+
+/// Runs `component` from `state` over the samples `from` … `to` of a record.
+///
+/// # Errors
+/// Whatever the component refuses.
+pub fn course(
+    component: &mut dyn Component,
+    run: &Run,
+    from: usize,
+    to: usize,
+    state: &RigState<f64>,
+) -> Result<([Vec<f64>; CHANNELS], Vec<f64>), ComponentError> {
+    let ports = Ports::of(component)?;
+    ports.start(component, run, from, to, state)?;
+    let mut values: [Vec<f64>; CHANNELS] = Default::default();
+    let mut friction = Vec::with_capacity(to - from + 1);
+    let mut row = [0.0; 5];
+    for sample in from..=to {
+        if sample > from {
+            component.step(run.time[sample - 1], run.time[sample])?;
+            if run.voltage[sample] != run.voltage[sample - 1]
+                || run.normal_force[sample] != run.normal_force[sample - 1]
+            {
+                component.set(&ports.held(run, sample))?;
+            }
+        }
+        component.get(&ports.outputs, &mut row)?;
+        for (channel, value) in values.iter_mut().zip(row) {
+            channel.push(value);
+        }
+        friction.push(row[4]);
+    }
+    Ok((values, friction))
+}
+
+/// Runs `component` through every window from its start; `None` where it could not.
+///
+/// What the disc's sensors show before `delay` [s] has passed since a window's start lies before that start and is left out.
+///
+/// # Errors
+/// The component lacks a variable of the rig.
+pub fn window_courses(
+    component: &mut dyn Component,
+    data: &Data,
+    starts: &[RigState<f64>],
+    delay: f64,
+) -> Result<Vec<Option<WindowCourse>>, ComponentError> {
+    Ports::of(component)?;
+    Ok(data
+        .windows
+        .iter()
+        .zip(starts)
+        .map(|(window, state)| {
+            let run = &data.runs[window.run];
+            let (values, friction) =
+                course(component, run, window.first, window.last, state).ok()?;
+            let shown_from = run.time[window.first] + delay;
+            let (mut square, mut residuals) = (0.0, 0);
+            for (channel, series) in values.iter().enumerate() {
+                for (value, sample) in series.iter().zip(window.first..) {
+                    if channel < 2 && run.time[sample] < shown_from {
+                        continue;
+                    }
+                    square += ((run.readings[channel][sample] - value) / data.deviations[channel])
+                        .powi(2);
+                    residuals += 1;
+                }
+            }
+            square.is_finite().then_some(WindowCourse {
+                values,
+                friction,
+                square,
+                residuals,
+            })
+        })
+        .collect())
+}

@@ -1,0 +1,289 @@
+//! Before and after on a record that was not learned from, natively and through the built FMUs.
+//!
+//! The window error is the root mean square, over all samples and channels of the restarted windows, of model minus
+//! reading in units of the sensors' deviations. Its floor is what the right model would show: sensor noise, less what the
+//! windows' starts absorb, plus the random friction seen in the records. The share closed is
+//! (before² − after²)/(before² − floor²).
+
+use std::path::Path;
+
+use build_fmu::build::{BuildError, Source};
+use build_fmu::library::Library;
+use build_fmu::platform::FmiVersion;
+use stickslip::plant::{ModelFile, Rig, RigState};
+use thiserror::Error;
+
+use super::case::Case;
+use super::finding::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
+use super::fit::Data;
+use super::marginal::Disturbance;
+use super::restart::{Starts, WindowCourse, best_starts, course, window_courses};
+use super::run::{CHANNELS, Run};
+use crate::analysis::measures::{
+    amplitude_pulse_level, pearson_correlation, root_mean_square_error,
+};
+use crate::component::{Component, ComponentError, Native, open};
+
+/// How many standard deviations of the floor's scatter the error before must be above it for a gap to be there at all.
+const GAP_SIGNIFICANCE: f64 = 4.0;
+
+/// Fluctuation of the friction, relative to it, below which it counts as an error of the model and not as noise: so small a
+/// one can stand in for anything.
+pub const LEAST_FLUCTUATION: f64 = 0.01;
+
+/// Why nothing can be shown.
+#[derive(Debug, Error)]
+pub enum ShowError {
+    /// A model or FMU refused something.
+    #[error(transparent)]
+    Component(#[from] ComponentError),
+    /// An FMU could not be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// A directory for the FMUs could not be made.
+    #[error("no directory for the FMUs: {0}")]
+    Directory(std::io::Error),
+    /// No window of the held-out record could be run through.
+    #[error("neither model can run through any window of the held-out record")]
+    NoWindow,
+}
+
+/// One model on the held-out record.
+pub struct Shown {
+    /// Each window from its best start.
+    pub windows: Vec<Option<WindowCourse>>,
+    /// θ2, ω2, θ3, ω3 of one run over the longest stretch; empty where the model cannot run through.
+    pub free_run: [Vec<f64>; CHANNELS],
+    /// Its friction torque [N m].
+    pub friction: Vec<f64>,
+}
+
+/// Both models on the held-out record.
+pub struct Comparison {
+    /// The figures.
+    pub gap: Gap,
+    /// The held-out record in windows.
+    pub data: Data,
+    /// The stretch over which the free run goes.
+    pub free_stretch: usize,
+    /// The analyst's model.
+    pub before: Shown,
+    /// The amended model.
+    pub after: Shown,
+}
+
+/// Compares the analyst's and the amended model on the case's held-out record; `work` is an existing directory in which
+/// FMUs may be built.
+///
+/// # Errors
+/// [`ShowError`] where a model cannot run at all or its FMU cannot be built.
+pub fn compare(
+    case: &Case,
+    amended: &ModelFile,
+    amended_text: &str,
+    disturbance: &Disturbance,
+    library: &Library,
+    work: &Path,
+) -> Result<Comparison, ShowError> {
+    let data = case.judging();
+    let starts_before = best_starts(&data, &case.model.rig);
+    let starts_after = best_starts(&data, &amended.rig);
+    let mut native_before = Native::from_text(&case.model_text, "the analyst's model")?;
+    let mut native_after = Native::from_text(amended_text, "the amended model")?;
+    let delays = [delay(&case.model.rig), delay(&amended.rig)];
+    let windows_before =
+        window_courses(&mut native_before, &data, &starts_before.states, delays[0])?;
+    let windows_after = window_courses(&mut native_after, &data, &starts_after.states, delays[1])?;
+    let both: Vec<bool> = windows_before
+        .iter()
+        .zip(&windows_after)
+        .map(|(b, a)| b.is_some() && a.is_some())
+        .collect();
+    let used = both.iter().filter(|used| **used).count();
+    if used == 0 {
+        return Err(ShowError::NoWindow);
+    }
+    let noise = if disturbance.relative < LEAST_FLUCTUATION { Disturbance::NONE } else { *disturbance };
+    let floor = floor(&starts_after, &data, &noise, &windows_after, &both);
+    let error = |windows: &[Option<WindowCourse>]| root_mean_square(windows, &both);
+    let held_out = window_error(error(&windows_before), error(&windows_after), floor);
+
+    let free_stretch = longest(&data.runs);
+    let run = &data.runs[free_stretch];
+    let begin = first_state(&data, free_stretch);
+    let mut through = Vec::new();
+    let mut after_through_fmu = None;
+    for (text, starts, delay) in [
+        (case.model_text.as_str(), &starts_before, delays[0]),
+        (amended_text, &starts_after, delays[1]),
+    ] {
+        for version in [FmiVersion::Fmi3, FmiVersion::Fmi2] {
+            let mut fmu = built(
+                text,
+                library,
+                version,
+                &work.join(format!("{}", through.len())),
+            )?;
+            through.push(error(&window_courses(
+                fmu.as_mut(),
+                &data,
+                &starts.states,
+                delay,
+            )?));
+            if through.len() == 3 {
+                after_through_fmu = Some(free(fmu.as_mut(), run, &begin));
+            }
+        }
+    }
+    let reference_speed = mean_speed(run);
+    let (free_before, friction_before) = free(&mut native_before, run, &begin);
+    let (free_after, friction_after) = free(&mut native_after, run, &begin);
+    let gap = Gap {
+        held_out,
+        free_run: FreeRun {
+            before: measures(&free_before, run, reference_speed),
+            after: measures(&free_after, run, reference_speed),
+            after_through_fmu: measures(
+                &after_through_fmu.unwrap_or_default().0,
+                run,
+                reference_speed,
+            ),
+            reference_speed,
+        },
+        through_fmu: ThroughFmu {
+            fmi3: window_error(through[0], through[2], floor),
+            fmi2_before: through[1],
+            fmi2_after: through[3],
+        },
+        windows: both.len(),
+        windows_left_aside: both.len() - used,
+    };
+    Ok(Comparison {
+        gap,
+        free_stretch,
+        before: Shown {
+            windows: windows_before,
+            free_run: free_before,
+            friction: friction_before,
+        },
+        after: Shown {
+            windows: windows_after,
+            free_run: free_after,
+            friction: friction_after,
+        },
+        data,
+    })
+}
+
+fn delay(rig: &Rig<f64>) -> f64 {
+    rig.effects.sensor_delay.map_or(0.0, |effect| effect.delay)
+}
+
+fn built(
+    text: &str,
+    library: &Library,
+    version: FmiVersion,
+    folder: &Path,
+) -> Result<Box<dyn Component>, ShowError> {
+    std::fs::create_dir_all(folder).map_err(ShowError::Directory)?;
+    let source = Source::from_text(text.to_owned(), "model")?;
+    let fmu = source.build(library, version, folder)?;
+    Ok(open(&fmu.path)?)
+}
+
+/// Root mean square over the windows that count; NaN where one of them could not be run.
+fn root_mean_square(windows: &[Option<WindowCourse>], counts: &[bool]) -> f64 {
+    let (mut square, mut residuals) = (0.0, 0);
+    for (window, _) in windows.iter().zip(counts).filter(|(_, counts)| **counts) {
+        let Some(window) = window else {
+            return f64::NAN;
+        };
+        square += window.square;
+        residuals += window.residuals;
+    }
+    (square / residuals as f64).sqrt()
+}
+
+fn floor(
+    starts: &Starts,
+    data: &Data,
+    disturbance: &Disturbance,
+    windows: &[Option<WindowCourse>],
+    counts: &[bool],
+) -> f64 {
+    let (mut square, mut residuals) = (0.0, 0.0);
+    for (((floor, gram), window), _) in starts
+        .floors(data, disturbance)
+        .iter()
+        .zip(&starts.grams)
+        .zip(windows)
+        .zip(counts)
+        .filter(|(_, counts)| **counts)
+    {
+        if let (Some(floor), Some(gram), Some(window)) = (floor, gram, window) {
+            // A delay leaves a few readings out.
+            square += floor * window.residuals as f64 / gram.residuals as f64;
+            residuals += window.residuals as f64;
+        }
+    }
+    (square / residuals).sqrt()
+}
+
+fn window_error(before: f64, after: f64, noise_floor: f64) -> WindowError {
+    let gap = before.powi(2) - noise_floor.powi(2);
+    // Unless the error before is above the floor by a few parts in a hundred there is nothing to close.
+    let scatter = 0.01 * noise_floor.powi(2);
+    let closed = (gap > GAP_SIGNIFICANCE * scatter).then(|| (before.powi(2) - after.powi(2)) / gap);
+    WindowError {
+        before,
+        after,
+        noise_floor,
+        closed,
+    }
+}
+
+fn longest(runs: &[Run]) -> usize {
+    (0..runs.len())
+        .max_by_key(|&at| runs[at].len())
+        .unwrap_or(0)
+}
+
+fn first_state(data: &Data, run: usize) -> RigState<f64> {
+    data.windows
+        .iter()
+        .find(|window| window.run == run && window.first == 0)
+        .map_or([0.0; stickslip::plant::STATES], |window| window.anchor)
+}
+
+/// A run over all of a stretch; empty where the component stops on the way.
+fn free(
+    component: &mut dyn Component,
+    run: &Run,
+    begin: &RigState<f64>,
+) -> ([Vec<f64>; CHANNELS], Vec<f64>) {
+    course(component, run, 0, run.len() - 1, begin).unwrap_or_default()
+}
+
+fn mean_speed(run: &Run) -> f64 {
+    run.readings[3].iter().map(|speed| speed.abs()).sum::<f64>() / run.len() as f64
+}
+
+fn measures(model: &[Vec<f64>; CHANNELS], run: &Run, reference_speed: f64) -> Measures {
+    let (model, measured) = (&model[1], &run.readings[1]);
+    let finite = |value: f64| value.is_finite().then_some(value);
+    if model.is_empty() {
+        return Measures {
+            rmse: None,
+            nrmse: None,
+            pc: None,
+            apl: None,
+        };
+    }
+    let rmse = root_mean_square_error(model, measured);
+    Measures {
+        rmse: finite(rmse),
+        nrmse: finite(rmse / reference_speed),
+        pc: finite(pearson_correlation(model, measured)),
+        apl: finite(amplitude_pulse_level(model, measured)),
+    }
+}

@@ -1,0 +1,205 @@
+//! `stickslip diagnose` and its stages on a small case, and what it says to bad input.
+//!
+//! The case in `tests/data/unbalance` was made by `hidden-records make --seed 424243 --cases 1 --kind unbalance`, cut to the
+//! first 10 s (held-out: 8 s). Hidden: 0.0456 N m at 3.6126 rad, nominal parameters up to 4 % off.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use workbench::diagnose::amend::{self, amended_model};
+use workbench::diagnose::case::{Case, CaseArguments};
+use workbench::diagnose::finding::{Finding, VerdictName};
+use workbench::diagnose::forced::fit_effects;
+use workbench::diagnose::naming::{forced_finding, name};
+use workbench::diagnose::restart::{best_starts, window_courses};
+use workbench::component::Native;
+
+fn case_directory() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/unbalance")
+}
+
+fn arguments(directory: &Path) -> CaseArguments {
+    CaseArguments { case: Some(directory.to_owned()), ..CaseArguments::default() }
+}
+
+fn load() -> Case {
+    arguments(&case_directory()).load().unwrap()
+}
+
+fn copy(to: &Path) {
+    for entry in fs::read_dir(case_directory()).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, to.join(path.file_name().unwrap())).unwrap();
+    }
+}
+
+/// The case with one file put through `change`.
+fn changed(file: &str, change: impl Fn(&str) -> String) -> Result<Case, String> {
+    let place = tempfile::tempdir().unwrap();
+    copy(place.path());
+    let path = place.path().join(file);
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, change(&text)).unwrap();
+    arguments(place.path()).load().map_err(|error| error.to_string())
+}
+
+/// Multiplies one column of a record.
+fn scaled(text: &str, column: &str, factor: f64) -> String {
+    let mut lines = text.lines();
+    let header = lines.next().unwrap();
+    let at = header.split(',').position(|name| name == column).unwrap();
+    let mut result = format!("{header}\n");
+    for line in lines {
+        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+        fields[at] = (fields[at].parse::<f64>().unwrap() * factor).to_string();
+        result.push_str(&fields.join(","));
+        result.push('\n');
+    }
+    result
+}
+
+#[test]
+fn the_right_effect_is_named_with_its_size() {
+    let case = load();
+    let (finding, experiment) = name(&case, &mut |_| {}).unwrap();
+    assert!(experiment.is_none());
+    assert_eq!(finding.verdict, VerdictName::Named);
+    assert_eq!(finding.effects.len(), 1);
+    assert_eq!(finding.effects[0].name, "unbalance");
+    let torque = &finding.effects[0].parameters["unbal_T"];
+    assert!((torque.value / 0.0456 - 1.0).abs() < 0.03, "{torque:?}");
+    assert_eq!(finding.ranking[0].name, "unbalance");
+    assert_eq!(finding.structure[0].coordinate, "disc_angle");
+
+    let model = amended_model(&case, &finding).unwrap();
+    let text = amend::text(&case, &finding, &model).unwrap();
+    assert!(text.contains("[unbalance]") && text.contains("status = \"fitted\""), "{text}");
+    assert!(text.contains("run-a.csv"), "{text}");
+    let read = stickslip::plant::ModelFile::parse(&text, "amended").unwrap();
+    assert_eq!(read, model);
+}
+
+#[test]
+fn the_gap_closes_on_the_held_out_record() {
+    let case = load();
+    let fit = fit_effects(&case.training(), &case.model, &["unbalance".to_owned()], &mut |_| {}).unwrap();
+    let finding = forced_finding(&case, &["unbalance".to_owned()], &fit, None).unwrap();
+    let model = amended_model(&case, &finding).unwrap();
+    let text = amend::text(&case, &finding, &model).unwrap();
+    let data = case.judging();
+    let error = |text: &str, rig| {
+        let starts = best_starts(&data, rig);
+        let mut native = Native::from_text(text, "model").unwrap();
+        let courses = window_courses(&mut native, &data, &starts.states, 0.0).unwrap();
+        let (square, residuals) = courses
+            .iter()
+            .flatten()
+            .fold((0.0, 0), |(square, count), course| (square + course.square, count + course.residuals));
+        (square / residuals as f64).sqrt()
+    };
+    let (before, after) = (error(&case.model_text, &case.model.rig), error(&text, &model.rig));
+    assert!(before > 5.0, "{before}");
+    assert!((0.85..1.1).contains(&after), "{after}");
+}
+
+#[test]
+fn a_finding_can_be_disagreed_with() {
+    let case = load();
+    let names = vec!["viscous_drag".to_owned()];
+    let fit = fit_effects(&case.training(), &case.model, &names, &mut |_| {}).unwrap();
+    let finding = forced_finding(&case, &names, &fit, None).unwrap();
+    assert_eq!(finding.effects[0].name, "viscous_drag");
+    assert!(finding.notes.iter().any(|note| note.contains("--effect")));
+    let place = tempfile::tempdir().unwrap();
+    finding.write(place.path()).unwrap();
+    let read = Finding::read(place.path()).unwrap();
+    assert_eq!(amended_model(&case, &read).unwrap().rig, fit.hypothesis.rig_at().unwrap());
+}
+
+#[test]
+fn bad_records_are_refused_in_clear_words() {
+    type Change = fn(&str) -> String;
+    let table: [(&str, Change, &str); 12] = [
+        ("run-a.csv", |t| scaled(t, "theta_dot", 30.0 / std::f64::consts::PI), "is `theta_dot` in rpm?"),
+        ("run-a.csv", |t| scaled(t, "theta", 180.0 / std::f64::consts::PI), "is `theta` in degrees?"),
+        ("held-out.csv", |t| scaled(t, "theta3_dot", 8.0), "motor's side of the gearbox"),
+        ("run-b.csv", |t| scaled(t, "time", 1000.0), "is `time` in ms?"),
+        ("run-b.csv", |t| scaled(t, "u", 1000.0), "is u in mV?"),
+        ("run-b.csv", |t| scaled(t, "N2", 1000.0), "is it in mN"),
+        ("run-a.csv", |t| t.replacen("theta3,", "angle,", 1), "has no column `theta3`"),
+        ("run-a.csv", |t| t.lines().take(60).map(|l| format!("{l}\n")).collect(), "no stretch of 1 s"),
+        ("run-a.csv", |t| t.replacen("\n0.05,", "\n0.01,", 1), "comes after"),
+        ("run-a.csv", |t| t.replacen("\n0.05,", "\n0.05,x", 1), "is not a number"),
+        ("model.toml", |t| t.replace("[shaft]", "[shfat]"), "shfat"),
+        ("model.toml", |t| t.replace("inertia = 0.0149", "inertia = -1.0"), "inertia"),
+    ];
+    for (file, change, words) in table {
+        let message = changed(file, change).unwrap_err();
+        assert!(message.contains(words), "{words}: {message}");
+        assert!(message.contains(file), "{file}: {message}");
+    }
+}
+
+#[test]
+fn what_is_sound_of_a_record_is_used_and_said() {
+    // A hole in the middle: two stretches.
+    let holed = changed("run-a.csv", |text| {
+        let mut lines: Vec<&str> = text.lines().collect();
+        lines.drain(400..450);
+        lines.join("\n")
+    })
+    .unwrap();
+    assert_eq!(holed.runs.len(), load().runs.len() + 1);
+    assert!(holed.notes.iter().any(|note| note.contains("has holes")), "{:?}", holed.notes);
+    // Missing values count as a hole, too.
+    let missing = changed("run-a.csv", |text| {
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let cut = lines[500].rfind(',').unwrap();
+        lines[500].truncate(cut);
+        lines[500].push_str(",NaN");
+        lines.join("\n")
+    })
+    .unwrap();
+    assert_eq!(missing.runs.len(), load().runs.len() + 1);
+    // A column more.
+    let wider = changed("run-a.csv", |text| {
+        text.lines().enumerate().map(|(j, l)| format!("{l},{}\n", if j == 0 { "current" } else { "1" })).collect()
+    })
+    .unwrap();
+    assert!(wider.notes.iter().any(|note| note.contains("current")), "{:?}", wider.notes);
+    // Every second sample.
+    let slower = changed("run-a.csv", |text| {
+        text.lines().enumerate().filter(|(j, _)| *j == 0 || j % 2 == 1).map(|(_, l)| format!("{l}\n")).collect()
+    })
+    .unwrap();
+    assert!((slower.runs[0].interval() - 0.02).abs() < 1e-9);
+}
+
+#[test]
+fn the_record_to_judge_on_must_be_another() {
+    let place = tempfile::tempdir().unwrap();
+    copy(place.path());
+    fs::copy(place.path().join("run-a.csv"), place.path().join("held-out.csv")).unwrap();
+    let message = arguments(place.path()).load().unwrap_err().to_string();
+    assert!(message.contains("same measurement"), "{message}");
+}
+
+#[test]
+fn unknown_effects_are_answered_with_the_known_ones() {
+    let mut arguments = arguments(&case_directory());
+    arguments.without = vec!["unbalence".to_owned()];
+    let message = arguments.load().unwrap_err().to_string();
+    assert!(message.contains("unbalence") && message.contains("normal_force_wobble"), "{message}");
+}
+
+#[test]
+fn too_little_is_refused() {
+    let place = tempfile::tempdir().unwrap();
+    copy(place.path());
+    fs::remove_file(place.path().join("run-b.csv")).unwrap();
+    let path = place.path().join("run-a.csv");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.lines().take(302).map(|l| format!("{l}\n")).collect::<String>()).unwrap();
+    let message = arguments(place.path()).load().unwrap_err().to_string();
+    assert!(message.contains("at least 5 s"), "{message}");
+}
