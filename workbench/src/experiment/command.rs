@@ -154,9 +154,10 @@ fn store(experiment: &Experiment, findings: &Findings, places: &Places) -> anyho
         picture.figure.write(&directory.join(&picture.name))?;
         if picture.shown {
             let beside = places.document.parent().unwrap_or(Path::new(""));
-            picture
-                .figure
-                .write(&beside.join("pictures").join(&picture.name))?;
+            let file = beside
+                .join("pictures")
+                .join(format!("{}.svg", picture.name));
+            write_file(&file, picture.figure.to_svg().as_bytes())?;
         }
     }
     let rows = serde_json::to_string_pretty(&findings.rows)?;

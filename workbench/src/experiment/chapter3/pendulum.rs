@@ -19,7 +19,7 @@ const TOP_AMPLITUDE: f64 = 0.009;
 const TOP_RATE: f64 = 1.0;
 const STRIBECK_VELOCITY: f64 = 0.005;
 const END: f64 = 60.0;
-const STEP: f64 = 0.01;
+const STEP: f64 = 0.02;
 /// Begin of Coulomb's stick-slip under the sinusoid as printed.
 const PRINTED_BEGIN: f64 = 36.4;
 

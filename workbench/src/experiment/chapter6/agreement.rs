@@ -99,9 +99,11 @@ fn compare(printed: &Printed) -> Result<Findings, ExperimentError> {
         .remark(format!("{wobble_remark}. See sec-5.2-wobble")),
     );
     if let Some(row) = findings.rows.first_mut() {
-        if row.verdict == Verdict::Reproduced {
-            row.verdict = Verdict::ReproducedWith("a varying normal force".to_owned());
-        }
+        row.verdict = if row.verdict == Verdict::Reproduced {
+            Verdict::ReproducedWith("a varying normal force".to_owned())
+        } else {
+            Verdict::Open("the virtual rig is locked to once per revolution and turns faster under load than the real one".to_owned())
+        };
     }
     for (index, name) in ["first law", "second law"].into_iter().enumerate() {
         let cycle = Cycle::of(&rigs[index], radians_per_second(SPEED), printed.force)?;

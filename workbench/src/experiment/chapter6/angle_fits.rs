@@ -90,6 +90,15 @@ pub fn ellipse() -> Result<Findings, ExperimentError> {
     Ok(findings)
 }
 
+/// The numbers that a fit of the coefficient should come near to.
+fn driving_law() -> String {
+    let law = CALIBRATED_MU;
+    format!(
+        "; the law that drives the virtual rig has {}, {}, {}, {}, {}, {} on its own ellipse",
+        law.a1, law.b1, law.c1, law.a2, law.b2, law.c2
+    )
+}
+
 /// Figs 6.2, 6.3, 6.8 and 6.9.
 pub fn gaussians() -> Result<Findings, ExperimentError> {
     let mut findings = Findings::default();
@@ -138,8 +147,13 @@ pub fn gaussians() -> Result<Findings, ExperimentError> {
                     parameters.join(", "),
                 )
                 .remark(format!(
-                    "not printed; residual {:.1} % of the mean",
-                    100.0 * fit.residual(&angle, &values) / mean
+                    "not printed; residual {:.1} % of the mean{}",
+                    100.0 * fit.residual(&angle, &values) / mean,
+                    if number == "6.3" {
+                        driving_law()
+                    } else {
+                        String::new()
+                    }
                 )),
             );
             panels.push(Box::new(
