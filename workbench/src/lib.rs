@@ -1,7 +1,7 @@
 //! The workbench behind the command `stickslip`: simulating, mapping and examining the rig.
 //!
-//! One module per command: [`simulate`], [`map`], [`info`], [`build`], [`experiment`], [`identify`], [`calibrate`];
-//! [`cli`] dispatches. They stand on
+//! One module per command: [`simulate`], [`map`], [`info`], [`diagnose`], [`build`], [`experiment`], [`identify`],
+//! [`calibrate`]; [`cli`] dispatches. They stand on
 //!
 //! - [`component`]: the native model and FMUs of both versions behind one trait;
 //! - [`files`]: CSV records and writing whole or not at all;
