@@ -362,6 +362,13 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         Ok(())
     }
 
+    /// Goes on from the start of the present segment in another mode, for a caller who knows more
+    /// than the state tells: which of several branches the motion is on.
+    pub fn set_mode(&mut self, mode: P::Mode) -> Result<(), IntegrationError> {
+        self.mode = mode;
+        self.expand()
+    }
+
     /// What is needed to go on from here.
     pub fn snapshot(&self) -> Snapshot<S, P::Mode, P::State, P::Inputs> {
         Snapshot {

@@ -362,12 +362,9 @@ pub fn entry(name: &str) -> Option<&'static Entry> {
 }
 
 /// Parameter sets of Eq. 6-2 from which fits start, for a friction coefficient of about 0.15.
-const HYSTERESIS_STARTS: [[f64; 8]; 3] = [
-    [
-        0.271_15, -3.072_46, 1.289_46, 0.185_67, 0.479_60, 2.623_03, 7.159_56, 58.287_3,
-    ],
-    [0.20, -2.2, 1.3, 0.15, 1.5, 2.5, 6.5, 50.0],
-    [0.35, -2.6, 1.0, 0.15, 1.0, 2.6, 7.0, 45.0],
+const HYSTERESIS_STARTS: [[f64; 8]; 2] = [
+    [0.271_15, -3.072_46, 1.289_46, 0.185_67, 0.479_60, 2.623_03, 7.159_56, 58.287_3],
+    [0.488_6, -1.935_1, 0.556_3, 0.105_2, 2.349_0, 2.518_1, 6.902_4, 37.769],
 ];
 const HYSTERESIS_KEYS: [&str; 8] = [
     "a1",
@@ -595,9 +592,9 @@ fn hysteresis(base: &Hypothesis) -> Vec<Hypothesis> {
         .map(|start| {
             let mut h = without_law(base);
             let mut values = *start;
-            // The published set belongs to a sliding level of about 0.13.
-            values[0] *= level / 0.13;
-            values[3] *= level / 0.13;
+            // The published set belongs to a sliding level of about 0.12.
+            values[0] *= level / 0.12;
+            values[3] *= level / 0.12;
             let mut next = values.iter();
             let Ok(law) = TwoGaussianMu::from_values(|_| {
                 Ok::<f64, Infallible>(next.next().copied().unwrap_or(1.0))

@@ -278,7 +278,7 @@ pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
         if start.dimension() > super::gram::MOST_FREE {
             continue;
         }
-        let fitted = fit(data, start, base.starts.clone(), 25);
+        let fitted = fit(data, start, entry.window_starts(data, base, true), 25);
         if best.as_ref().is_none_or(|b| fitted.loss < b.loss) {
             best = Some(fitted);
         }

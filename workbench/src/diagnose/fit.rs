@@ -7,6 +7,7 @@ use super::run::{CHANNELS, Run};
 use super::window::{START_COMPONENTS, Window};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
+use std::sync::Arc;
 use stickslip::plant::RigState;
 
 /// Residual size, relative to noise, above which a window counts linearly, not quadratically.
@@ -18,7 +19,7 @@ const CONVERGED: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub struct Data {
     /// Records.
-    pub runs: Vec<Run>,
+    pub runs: Arc<Vec<Run>>,
     /// Windows of all records.
     pub windows: Vec<Window>,
     /// Standard deviations of the channels.
@@ -158,6 +159,47 @@ fn best_disturbance(
     best.1
 }
 
+/// Loss that a window may gain in a step before other starts are tried for it.
+const SUSPECT: f64 = 6.0;
+
+fn window_loss(form: &Option<Reduced>) -> f64 {
+    form.as_ref().map_or(FAILED, |r| robust(r.square, r.residuals).0 + r.log_determinant)
+}
+
+/// Tries the starts of `fallback` for windows that a step has made worse: where the disc is about to
+/// break away, the motion depends on the start in a way that a linear step can overshoot.
+#[allow(clippy::too_many_arguments)]
+fn rescue(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    disturbance: &Disturbance,
+    before: &[Option<Reduced>],
+    fallback: &[RigState<f64>],
+    starts: &mut [RigState<f64>],
+    window_grams: &mut [Option<Gram>],
+    forms: &mut [Option<Reduced>],
+) {
+    let worse: Vec<usize> = (0..forms.len())
+        .filter(|&j| window_loss(&forms[j]) > window_loss(&before[j]) + SUSPECT && starts[j] != fallback[j])
+        .collect();
+    if worse.is_empty() {
+        return;
+    }
+    let part = Data {
+        runs: Arc::clone(&data.runs),
+        windows: worse.iter().map(|&j| data.windows[j].clone()).collect(),
+        deviations: data.deviations,
+    };
+    let part_starts: Vec<RigState<f64>> = worse.iter().map(|&j| fallback[j]).collect();
+    let part_grams = grams(&part, hypothesis, &part_starts);
+    let part_forms = reduced(&part, &part_starts, &part_grams, disturbance);
+    for (((j, start), gram), form) in worse.into_iter().zip(part_starts).zip(part_grams).zip(part_forms) {
+        if window_loss(&form) < window_loss(&forms[j]) {
+            (starts[j], window_grams[j], forms[j]) = (start, gram, form);
+        }
+    }
+}
+
 /// Fits `hypothesis` from its present values and the given window starts.
 pub fn fit(
     data: &Data,
@@ -172,6 +214,7 @@ pub fn fit(
     let mut disturbance = best_disturbance(data, &starts, &present, &hypothesis);
     let mut forms = reduced(data, &starts, &present, &disturbance);
     let mut loss = total_loss(&forms, &hypothesis);
+    let anchors: Vec<RigState<f64>> = data.windows.iter().map(|window| window.anchor).collect();
     let mut damping = 1e-4;
     let mut iterations = 0;
     let mut quiet = 0;
@@ -199,7 +242,7 @@ pub fn fit(
             step.len(),
             trial.x.iter().zip(&hypothesis.x).map(|(a, b)| a - b),
         );
-        let trial_starts: Vec<RigState<f64>> = starts
+        let mut trial_starts: Vec<RigState<f64>> = starts
             .iter()
             .zip(&forms)
             .map(|(start, form)| {
@@ -214,8 +257,11 @@ pub fn fit(
                 start
             })
             .collect();
-        let trial_grams = grams(data, &trial, &trial_starts);
-        let trial_forms = reduced(data, &trial_starts, &trial_grams, &disturbance);
+        let mut trial_grams = grams(data, &trial, &trial_starts);
+        let mut trial_forms = reduced(data, &trial_starts, &trial_grams, &disturbance);
+        for fallback in [&starts, &anchors] {
+            rescue(data, &trial, &disturbance, &forms, fallback, &mut trial_starts, &mut trial_grams, &mut trial_forms);
+        }
         let trial_loss = total_loss(&trial_forms, &trial);
         let better = trial_loss < loss;
         let settled = (loss - trial_loss).abs() < CONVERGED * loss.abs().max(1.0) + 0.02;

@@ -4,7 +4,7 @@ use super::hypothesis::Hypothesis;
 use super::run::{CHANNELS, Run};
 use super::window::{PIECE, START_COMPONENTS, Window};
 use nalgebra::DMatrix;
-use stickslip::friction::acceleration_angle;
+use stickslip::friction::{ContactMode, Regime, acceleration_angle};
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, STATES, index};
 use stickslip::series::{Dual, Scalar, evaluate};
@@ -124,6 +124,7 @@ pub fn window_gram<const N: usize>(
         state,
         inputs(run, window.first),
     )?;
+    start_on_measured_branch(&mut simulation, window.acceleration)?;
     let mut places = Vec::with_capacity(pieces);
     let mut row = vec![0.0; columns];
     let mut residuals = 0;
@@ -208,6 +209,28 @@ pub fn window_gram<const N: usize>(
         residuals,
         places,
     })
+}
+
+/// Puts a sliding contact whose law has branches on the one that the measured acceleration tells.
+fn start_on_measured_branch<const N: usize>(
+    simulation: &mut Simulation<Dual<N>, Rig<Dual<N>>>,
+    acceleration: f64,
+) -> Result<(), IntegrationError> {
+    let law = &simulation.system().law;
+    let mut mode = *simulation.mode();
+    let ContactMode::Slipping(direction, _) = mode.disc else { return Ok(()) };
+    if !law.has_branches() {
+        return Ok(());
+    }
+    let along = acceleration * direction.sign();
+    let regime = match (law.two_gaussian().is_some(), along < 0.0) {
+        (true, _) => Regime::Free,
+        (false, true) => Regime::SlowingDown,
+        (false, false) => Regime::SpeedingUp,
+    };
+    mode.disc = ContactMode::Slipping(direction, regime);
+    mode.near[0] = along;
+    simulation.set_mode(mode)
 }
 
 /// Angle and velocity of the disc at `when`. A time just before the window is reached along the

@@ -1,6 +1,7 @@
 //! Trying every effect of the catalogue on top of a fitted hypothesis.
 
 use super::catalogue::{CATALOGUE, Entry};
+use stickslip::plant::RigState;
 use super::fit::{Data, FAILED, Fit, fit};
 
 /// Windows in a row that share a fold: what half of the blocks teach is judged on the other half.
@@ -17,6 +18,18 @@ pub struct Tried {
     pub gain: f64,
     /// Interval that covers the gain with 95 % probability, by resampling blocks of windows.
     pub interval95: [f64; 2],
+}
+
+impl Entry {
+    /// Where the windows start when this effect is tried on top of `base`: where the base has put
+    /// them, or as measured if the base is wrong and the effect far from it.
+    pub fn window_starts(&self, data: &Data, base: &Fit, wrong: bool) -> Vec<RigState<f64>> {
+        if wrong && self.is_nonlinear() {
+            data.windows.iter().map(|window| window.anchor).collect()
+        } else {
+            base.starts.clone()
+        }
+    }
 }
 
 /// Folds of the windows: blocks in turn.
@@ -94,7 +107,7 @@ pub fn try_all(
         for start in entry.starts(&base.hypothesis, wrong) {
             if start.dimension() <= super::gram::MOST_FREE {
                 let look = if entry.is_nonlinear() && wrong { 2 } else { 0 };
-                let first = fit(data, start, base.starts.clone(), look);
+                let first = fit(data, start, entry.window_starts(data, base, wrong), look);
                 starts.push((first.promised_loss(data), entry, first));
             }
         }

@@ -28,6 +28,9 @@ pub struct Window {
     pub last: usize,
     /// State at the first sample as measured.
     pub anchor: RigState<f64>,
+    /// Acceleration of the disc at the first sample as measured [rad/s²]: on which branch of a law
+    /// with branches the window starts.
+    pub acceleration: f64,
     /// Standard deviations with which the anchor is known, in the order of [`START_COMPONENTS`].
     pub deviations: [f64; 6],
 }
@@ -80,12 +83,13 @@ fn window(
             first,
             last,
             anchor,
+            acceleration: 0.0,
             deviations: [tiny; 6],
         };
     }
     let stuck = motion(run, first) == Motion::Stuck;
-    let (theta, omega) = line(run, 0, 1, first);
-    let (theta3, omega3) = line(run, 2, 3, first);
+    let (theta, omega, acceleration) = line(run, 0, 1, first);
+    let (theta3, omega3, _) = line(run, 2, 3, first);
     anchor[index::THETA] = theta;
     anchor[index::OMEGA] = if stuck { 0.0 } else { omega };
     anchor[index::THETA3] = theta3;
@@ -98,13 +102,14 @@ fn window(
         first,
         last,
         anchor,
+        acceleration,
         deviations: [0.5, disc_velocity, 0.1, 0.3, 2.0, 0.05],
     }
 }
 
-/// Angle and velocity at a sample from the readings around it: the angles less the course that the
-/// velocities describe give the angle, a line through the velocities the velocity.
-fn line(run: &Run, angle: usize, velocity: usize, at: usize) -> (f64, f64) {
+/// Angle, velocity and acceleration at a sample from the readings around it: the angles less the course that the
+/// velocities describe give the angle, a line through the velocities the velocity and its rate.
+fn line(run: &Run, angle: usize, velocity: usize, at: usize) -> (f64, f64, f64) {
     let low = at.saturating_sub(3);
     let high = (at + 3).min(run.len() - 1);
     let n = (high - low + 1) as f64;
@@ -126,7 +131,7 @@ fn line(run: &Run, angle: usize, velocity: usize, at: usize) -> (f64, f64) {
         let t = run.time[j] - t0;
         theta += run.readings[angle][j] - omega * t - 0.5 * slope * t * t;
     }
-    (theta / n, omega)
+    (theta / n, omega, slope)
 }
 
 fn motion(run: &Run, at: usize) -> Motion {
