@@ -51,7 +51,7 @@ fn main() {
             ws.extend(windows(i, r, 8.0 * 0.0602, 0.33));
         }
         let data = Data {
-            runs,
+            runs: std::sync::Arc::new(runs),
             windows: ws,
             deviations: sensors.deviations(),
         };

@@ -41,7 +41,7 @@ fn main() {
             windows_.extend(windows(i, r, 8.0 * 0.0602, 0.33));
         }
         let data = Data {
-            runs,
+            runs: std::sync::Arc::new(runs),
             windows: windows_,
             deviations: sensors.deviations(),
         };

@@ -163,7 +163,9 @@ fn best_disturbance(
 const SUSPECT: f64 = 6.0;
 
 fn window_loss(form: &Option<Reduced>) -> f64 {
-    form.as_ref().map_or(FAILED, |r| robust(r.square, r.residuals).0 + r.log_determinant)
+    form.as_ref().map_or(FAILED, |r| {
+        robust(r.square, r.residuals).0 + r.log_determinant
+    })
 }
 
 /// Tries the starts of `fallback` for windows that a step has made worse: where the disc is about to
@@ -180,7 +182,9 @@ fn rescue(
     forms: &mut [Option<Reduced>],
 ) {
     let worse: Vec<usize> = (0..forms.len())
-        .filter(|&j| window_loss(&forms[j]) > window_loss(&before[j]) + SUSPECT && starts[j] != fallback[j])
+        .filter(|&j| {
+            window_loss(&forms[j]) > window_loss(&before[j]) + SUSPECT && starts[j] != fallback[j]
+        })
         .collect();
     if worse.is_empty() {
         return;
@@ -193,7 +197,12 @@ fn rescue(
     let part_starts: Vec<RigState<f64>> = worse.iter().map(|&j| fallback[j]).collect();
     let part_grams = grams(&part, hypothesis, &part_starts);
     let part_forms = reduced(&part, &part_starts, &part_grams, disturbance);
-    for (((j, start), gram), form) in worse.into_iter().zip(part_starts).zip(part_grams).zip(part_forms) {
+    for (((j, start), gram), form) in worse
+        .into_iter()
+        .zip(part_starts)
+        .zip(part_grams)
+        .zip(part_forms)
+    {
         if window_loss(&form) < window_loss(&forms[j]) {
             (starts[j], window_grams[j], forms[j]) = (start, gram, form);
         }
@@ -260,7 +269,16 @@ pub fn fit(
         let mut trial_grams = grams(data, &trial, &trial_starts);
         let mut trial_forms = reduced(data, &trial_starts, &trial_grams, &disturbance);
         for fallback in [&starts, &anchors] {
-            rescue(data, &trial, &disturbance, &forms, fallback, &mut trial_starts, &mut trial_grams, &mut trial_forms);
+            rescue(
+                data,
+                &trial,
+                &disturbance,
+                &forms,
+                fallback,
+                &mut trial_starts,
+                &mut trial_grams,
+                &mut trial_forms,
+            );
         }
         let trial_loss = total_loss(&trial_forms, &trial);
         let better = trial_loss < loss;

@@ -218,7 +218,9 @@ fn start_on_measured_branch<const N: usize>(
 ) -> Result<(), IntegrationError> {
     let law = &simulation.system().law;
     let mut mode = *simulation.mode();
-    let ContactMode::Slipping(direction, _) = mode.disc else { return Ok(()) };
+    let ContactMode::Slipping(direction, _) = mode.disc else {
+        return Ok(());
+    };
     if !law.has_branches() {
         return Ok(());
     }

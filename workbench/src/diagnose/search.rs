@@ -1,8 +1,8 @@
 //! Trying every effect of the catalogue on top of a fitted hypothesis.
 
 use super::catalogue::{CATALOGUE, Entry};
-use stickslip::plant::RigState;
 use super::fit::{Data, FAILED, Fit, fit};
+use stickslip::plant::RigState;
 
 /// Windows in a row that share a fold: what half of the blocks teach is judged on the other half.
 const BLOCK: usize = 4;
