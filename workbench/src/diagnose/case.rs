@@ -259,7 +259,7 @@ impl Case {
             .flat_map(|(index, run)| windows(index, run, back_emf, motor.motor.resistance))
             .collect();
         Data {
-            runs: runs.to_vec(),
+            runs: std::sync::Arc::new(runs.to_vec()),
             windows,
             deviations: self.sensors.deviations(),
         }

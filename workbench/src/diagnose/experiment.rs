@@ -82,7 +82,7 @@ pub fn propose(amended: &Rig<f64>, rivals: &[Fit], sensors: &Sensors) -> Result<
         let Ok(run) = predicted(amended, candidate) else { continue };
         let back_emf = amended.gearbox.ratio * amended.motor.back_emf_constant;
         let windows = windows(0, &run, back_emf, amended.motor.resistance);
-        let data = Data { runs: vec![run], windows, deviations: sensors.deviations() };
+        let data = Data { runs: std::sync::Arc::new(vec![run]), windows, deviations: sensors.deviations() };
         let own = Hypothesis { effects: vec![], rig: *amended, free: vec![], x: vec![] };
         let least = remaining(&data, &own, &Disturbance::NONE);
         let nearest = rivals
