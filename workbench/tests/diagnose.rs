@@ -12,6 +12,11 @@ use workbench::diagnose::finding::{Finding, VerdictName};
 use workbench::diagnose::forced::fit_effects;
 use workbench::diagnose::naming::{forced_finding, name};
 use workbench::diagnose::restart::{best_starts, window_courses};
+use workbench::diagnose::finding::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
+use workbench::diagnose::report::Report;
+use workbench::diagnose::residual_torque::residual_torques;
+use workbench::diagnose::restart::course;
+use workbench::diagnose::show::{Comparison, Shown};
 use workbench::component::Native;
 
 fn case_directory() -> PathBuf {
@@ -202,4 +207,115 @@ fn too_little_is_refused() {
     fs::write(&path, text.lines().take(302).map(|l| format!("{l}\n")).collect::<String>()).unwrap();
     let message = arguments(place.path()).load().unwrap_err().to_string();
     assert!(message.contains("at least 5 s"), "{message}");
+}
+
+/// A comparison of a model with itself, as a report needs it.
+fn comparison(case: &Case) -> Comparison {
+    let data = case.judging();
+    let starts = best_starts(&data, &case.model.rig);
+    let shown = || {
+        let mut native = Native::from_text(&case.model_text, "model").unwrap();
+        let run = &data.runs[0];
+        let windows = window_courses(&mut native, &data, &starts.states, 0.0).unwrap();
+        let (free_run, friction) = course(&mut native, run, 0, run.len() - 1, &starts.states[0]).unwrap();
+        Shown { windows, free_run, friction }
+    };
+    let errors = WindowError { before: 20.0, after: 20.0, noise_floor: 1.0, closed: Some(0.0) };
+    let measures = Measures { rmse: Some(0.7), nrmse: Some(0.2), pc: None, apl: Some(0.1) };
+    let gap = Gap {
+        held_out: errors,
+        free_run: FreeRun { before: measures, after: measures, after_through_fmu: measures, reference_speed: 3.0 },
+        through_fmu: ThroughFmu { fmi3: errors, fmi2_before: 20.0, fmi2_after: 20.0 },
+        windows: data.windows.len(),
+        windows_left_aside: 0,
+    };
+    let (before, after) = (shown(), shown());
+    Comparison { gap, free_stretch: 0, before, after, data }
+}
+
+#[test]
+fn the_report_is_well_formed_and_refers_to_nothing_outside() {
+    let case = load();
+    let names = vec!["unbalance".to_owned()];
+    let fit = fit_effects(&case.training(), &case.model, &names, &mut |_| {}).unwrap();
+    let mut finding = forced_finding(&case, &names, &fit, None).unwrap();
+    let comparison = comparison(&case);
+    finding.gap = Some(comparison.gap.clone());
+    finding.notes.push("less < than & \"more\"".to_owned());
+    let residuals = residual_torques(&case.training(), &case.model.rig);
+    assert!(residuals.iter().any(|r| r.disc.abs() > 0.02), "an unbalance of 0.046 N m must show");
+    let page = Report {
+        case: &case,
+        finding: &finding,
+        comparison: &comparison,
+        residuals_before: &residuals,
+        residuals_after: &residuals,
+    }
+    .to_html();
+    let document = page.strip_prefix("<!DOCTYPE html>").unwrap();
+    let tree = roxmltree::Document::parse(document).unwrap();
+    let count = |name: &str| tree.descendants().filter(|node| node.tag_name().name() == name).count();
+    assert_eq!(count("h1"), 1);
+    assert!(count("figure") >= 5, "{} figures", count("figure"));
+    assert_eq!(count("figure"), count("figcaption"));
+    assert!(page.contains("less &lt; than &amp; &quot;more&quot;"));
+    for node in tree.descendants() {
+        for attribute in node.attributes() {
+            assert!(!matches!(attribute.name(), "src" | "href"), "{attribute:?}");
+        }
+    }
+    for outside in ["http:", "https:", "url(", "@import", "<link"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    for scheme in ["prefers-color-scheme: dark", "@media print"] {
+        assert!(page.contains(scheme), "{scheme}");
+    }
+}
+
+fn stickslip(arguments: &[&str]) -> (i32, String) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip")).args(arguments).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    (output.status.code().unwrap(), text)
+}
+
+#[test]
+fn the_stages_on_each_others_files_as_a_user_runs_them() {
+    let place = tempfile::tempdir().unwrap();
+    let out = place.path().join("result");
+    let (case, out_text) = (case_directory(), out.to_str().unwrap());
+    let library = std::env::current_exe().unwrap().with_file_name(format!(
+        "{}stickslip{}",
+        std::env::consts::DLL_PREFIX,
+        std::env::consts::DLL_SUFFIX
+    ));
+    let common = [case.to_str().unwrap(), "--out", out_text, "--library", library.to_str().unwrap()];
+    let run = |stage: &str, more: &[&str]| stickslip(&[&[stage], &common[..], more].concat());
+
+    // Nothing to show yet: what to run is said.
+    let (code, text) = run("show", &[]);
+    assert_eq!(code, 2, "{text}");
+    assert!(text.contains("stickslip name"), "{text}");
+
+    let (code, text) = run("amend", &["--effect", "unbalance"]);
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = run("show", &[]);
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("of the gap is closed"), "{text}");
+    for file in ["finding.json", "model.amended.toml", "ReducedRig.fmi2.fmu", "ReducedRig.fmi3.fmu", "report.html"] {
+        assert!(out.join(file).is_file(), "{file}");
+    }
+    let gap = Finding::read(&out).unwrap().gap.unwrap();
+    assert!(gap.through_fmu.fmi3.closed.unwrap() > 0.98, "{gap:?}");
+    assert!((gap.through_fmu.fmi3.after / gap.held_out.after - 1.0).abs() < 1e-6, "{gap:?}");
+    assert!((gap.through_fmu.fmi2_after / gap.held_out.after - 1.0).abs() < 1e-6, "{gap:?}");
+
+    // An effect that is not there leaves the gap open, and the exit code says so.
+    let (code, text) = run("amend", &["--effect", "load_exponent"]);
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = run("show", &[]);
+    assert_eq!(code, 1, "{text}");
+
+    let (code, text) = run("diagnose", &["--without", "unbalence"]);
+    assert_eq!(code, 2, "{text}");
+    assert!(text.contains("the catalogue has no such effect"), "{text}");
 }

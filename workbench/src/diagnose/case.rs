@@ -137,6 +137,7 @@ impl CaseArguments {
     /// # Errors
     /// [`CaseError`], naming the file and what would be right.
     pub fn load(&self) -> Result<Case, CaseError> {
+        prepare_threads();
         for name in &self.without {
             check_effect(name)?;
         }
@@ -279,6 +280,15 @@ pub fn check_effect(name: &str) -> Result<(), CaseError> {
         name: name.to_owned(),
         known: known.join(", "),
     })
+}
+
+/// Stack of the engine's threads [bytes]: a model with thirty derivatives of every number needs more than the usual 2 MiB.
+const STACK: usize = 64 << 20;
+
+/// Gives the engine's threads their stack. Every work of the engine begins with reading a case.
+fn prepare_threads() {
+    // A second call finds the threads made already, as it should.
+    let _ = rayon::ThreadPoolBuilder::new().stack_size(STACK).build_global();
 }
 
 fn read(path: &Path) -> Result<String, CaseError> {
