@@ -6,25 +6,28 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use workbench::component::Native;
 use workbench::diagnose::amend::{self, amended_model};
 use workbench::diagnose::case::{Case, CaseArguments};
 use workbench::diagnose::finding::{Finding, VerdictName};
+use workbench::diagnose::finding::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
 use workbench::diagnose::forced::fit_effects;
 use workbench::diagnose::naming::{forced_finding, name};
-use workbench::diagnose::restart::{best_starts, window_courses};
-use workbench::diagnose::finding::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
 use workbench::diagnose::report::Report;
 use workbench::diagnose::residual_torque::residual_torques;
 use workbench::diagnose::restart::course;
+use workbench::diagnose::restart::{best_starts, window_courses};
 use workbench::diagnose::show::{Comparison, Shown};
-use workbench::component::Native;
 
 fn case_directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/unbalance")
 }
 
 fn arguments(directory: &Path) -> CaseArguments {
-    CaseArguments { case: Some(directory.to_owned()), ..CaseArguments::default() }
+    CaseArguments {
+        case: Some(directory.to_owned()),
+        ..CaseArguments::default()
+    }
 }
 
 fn load() -> Case {
@@ -45,7 +48,9 @@ fn changed(file: &str, change: impl Fn(&str) -> String) -> Result<Case, String> 
     let path = place.path().join(file);
     let text = fs::read_to_string(&path).unwrap();
     fs::write(&path, change(&text)).unwrap();
-    arguments(place.path()).load().map_err(|error| error.to_string())
+    arguments(place.path())
+        .load()
+        .map_err(|error| error.to_string())
 }
 
 /// Multiplies one column of a record.
@@ -78,7 +83,10 @@ fn the_right_effect_is_named_with_its_size() {
 
     let model = amended_model(&case, &finding).unwrap();
     let text = amend::text(&case, &finding, &model).unwrap();
-    assert!(text.contains("[unbalance]") && text.contains("status = \"fitted\""), "{text}");
+    assert!(
+        text.contains("[unbalance]") && text.contains("status = \"fitted\""),
+        "{text}"
+    );
     assert!(text.contains("run-a.csv"), "{text}");
     let read = stickslip::plant::ModelFile::parse(&text, "amended").unwrap();
     assert_eq!(read, model);
@@ -87,7 +95,13 @@ fn the_right_effect_is_named_with_its_size() {
 #[test]
 fn the_gap_closes_on_the_held_out_record() {
     let case = load();
-    let fit = fit_effects(&case.training(), &case.model, &["unbalance".to_owned()], &mut |_| {}).unwrap();
+    let fit = fit_effects(
+        &case.training(),
+        &case.model,
+        &["unbalance".to_owned()],
+        &mut |_| {},
+    )
+    .unwrap();
     let finding = forced_finding(&case, &["unbalance".to_owned()], &fit, None).unwrap();
     let model = amended_model(&case, &finding).unwrap();
     let text = amend::text(&case, &finding, &model).unwrap();
@@ -99,10 +113,15 @@ fn the_gap_closes_on_the_held_out_record() {
         let (square, residuals) = courses
             .iter()
             .flatten()
-            .fold((0.0, 0), |(square, count), course| (square + course.square, count + course.residuals));
+            .fold((0.0, 0), |(square, count), course| {
+                (square + course.square, count + course.residuals)
+            });
         (square / residuals as f64).sqrt()
     };
-    let (before, after) = (error(&case.model_text, &case.model.rig), error(&text, &model.rig));
+    let (before, after) = (
+        error(&case.model_text, &case.model.rig),
+        error(&text, &model.rig),
+    );
     assert!(before > 5.0, "{before}");
     assert!((0.85..1.1).contains(&after), "{after}");
 }
@@ -118,25 +137,64 @@ fn a_finding_can_be_disagreed_with() {
     let place = tempfile::tempdir().unwrap();
     finding.write(place.path()).unwrap();
     let read = Finding::read(place.path()).unwrap();
-    assert_eq!(amended_model(&case, &read).unwrap().rig, fit.hypothesis.rig_at().unwrap());
+    assert_eq!(
+        amended_model(&case, &read).unwrap().rig,
+        fit.hypothesis.rig_at().unwrap()
+    );
 }
 
 #[test]
 fn bad_records_are_refused_in_clear_words() {
     type Change = fn(&str) -> String;
     let table: [(&str, Change, &str); 12] = [
-        ("run-a.csv", |t| scaled(t, "theta_dot", 30.0 / std::f64::consts::PI), "is `theta_dot` in rpm?"),
-        ("run-a.csv", |t| scaled(t, "theta", 180.0 / std::f64::consts::PI), "is `theta` in degrees?"),
-        ("held-out.csv", |t| scaled(t, "theta3_dot", 8.0), "motor's side of the gearbox"),
-        ("run-b.csv", |t| scaled(t, "time", 1000.0), "is `time` in ms?"),
+        (
+            "run-a.csv",
+            |t| scaled(t, "theta_dot", 30.0 / std::f64::consts::PI),
+            "is `theta_dot` in rpm?",
+        ),
+        (
+            "run-a.csv",
+            |t| scaled(t, "theta", 180.0 / std::f64::consts::PI),
+            "is `theta` in degrees?",
+        ),
+        (
+            "held-out.csv",
+            |t| scaled(t, "theta3_dot", 8.0),
+            "motor's side of the gearbox",
+        ),
+        (
+            "run-b.csv",
+            |t| scaled(t, "time", 1000.0),
+            "is `time` in ms?",
+        ),
         ("run-b.csv", |t| scaled(t, "u", 1000.0), "is u in mV?"),
         ("run-b.csv", |t| scaled(t, "N2", 1000.0), "is it in mN"),
-        ("run-a.csv", |t| t.replacen("theta3,", "angle,", 1), "has no column `theta3`"),
-        ("run-a.csv", |t| t.lines().take(60).map(|l| format!("{l}\n")).collect(), "no stretch of 1 s"),
-        ("run-a.csv", |t| t.replacen("\n0.05,", "\n0.01,", 1), "comes after"),
-        ("run-a.csv", |t| t.replacen("\n0.05,", "\n0.05,x", 1), "is not a number"),
+        (
+            "run-a.csv",
+            |t| t.replacen("theta3,", "angle,", 1),
+            "has no column `theta3`",
+        ),
+        (
+            "run-a.csv",
+            |t| t.lines().take(60).map(|l| format!("{l}\n")).collect(),
+            "no stretch of 1 s",
+        ),
+        (
+            "run-a.csv",
+            |t| t.replacen("\n0.05,", "\n0.01,", 1),
+            "comes after",
+        ),
+        (
+            "run-a.csv",
+            |t| t.replacen("\n0.05,", "\n0.05,x", 1),
+            "is not a number",
+        ),
         ("model.toml", |t| t.replace("[shaft]", "[shfat]"), "shfat"),
-        ("model.toml", |t| t.replace("inertia = 0.0149", "inertia = -1.0"), "inertia"),
+        (
+            "model.toml",
+            |t| t.replace("inertia = 0.0149", "inertia = -1.0"),
+            "inertia",
+        ),
     ];
     for (file, change, words) in table {
         let message = changed(file, change).unwrap_err();
@@ -155,7 +213,11 @@ fn what_is_sound_of_a_record_is_used_and_said() {
     })
     .unwrap();
     assert_eq!(holed.runs.len(), load().runs.len() + 1);
-    assert!(holed.notes.iter().any(|note| note.contains("has holes")), "{:?}", holed.notes);
+    assert!(
+        holed.notes.iter().any(|note| note.contains("has holes")),
+        "{:?}",
+        holed.notes
+    );
     // Missing values count as a hole, too.
     let missing = changed("run-a.csv", |text| {
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
@@ -168,13 +230,24 @@ fn what_is_sound_of_a_record_is_used_and_said() {
     assert_eq!(missing.runs.len(), load().runs.len() + 1);
     // A column more.
     let wider = changed("run-a.csv", |text| {
-        text.lines().enumerate().map(|(j, l)| format!("{l},{}\n", if j == 0 { "current" } else { "1" })).collect()
+        text.lines()
+            .enumerate()
+            .map(|(j, l)| format!("{l},{}\n", if j == 0 { "current" } else { "1" }))
+            .collect()
     })
     .unwrap();
-    assert!(wider.notes.iter().any(|note| note.contains("current")), "{:?}", wider.notes);
+    assert!(
+        wider.notes.iter().any(|note| note.contains("current")),
+        "{:?}",
+        wider.notes
+    );
     // Every second sample.
     let slower = changed("run-a.csv", |text| {
-        text.lines().enumerate().filter(|(j, _)| *j == 0 || j % 2 == 1).map(|(_, l)| format!("{l}\n")).collect()
+        text.lines()
+            .enumerate()
+            .filter(|(j, _)| *j == 0 || j % 2 == 1)
+            .map(|(_, l)| format!("{l}\n"))
+            .collect()
     })
     .unwrap();
     assert!((slower.runs[0].interval() - 0.02).abs() < 1e-9);
@@ -184,7 +257,11 @@ fn what_is_sound_of_a_record_is_used_and_said() {
 fn the_record_to_judge_on_must_be_another() {
     let place = tempfile::tempdir().unwrap();
     copy(place.path());
-    fs::copy(place.path().join("run-a.csv"), place.path().join("held-out.csv")).unwrap();
+    fs::copy(
+        place.path().join("run-a.csv"),
+        place.path().join("held-out.csv"),
+    )
+    .unwrap();
     let message = arguments(place.path()).load().unwrap_err().to_string();
     assert!(message.contains("same measurement"), "{message}");
 }
@@ -194,7 +271,10 @@ fn unknown_effects_are_answered_with_the_known_ones() {
     let mut arguments = arguments(&case_directory());
     arguments.without = vec!["unbalence".to_owned()];
     let message = arguments.load().unwrap_err().to_string();
-    assert!(message.contains("unbalence") && message.contains("normal_force_wobble"), "{message}");
+    assert!(
+        message.contains("unbalence") && message.contains("normal_force_wobble"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -204,7 +284,14 @@ fn too_little_is_refused() {
     fs::remove_file(place.path().join("run-b.csv")).unwrap();
     let path = place.path().join("run-a.csv");
     let text = fs::read_to_string(&path).unwrap();
-    fs::write(&path, text.lines().take(302).map(|l| format!("{l}\n")).collect::<String>()).unwrap();
+    fs::write(
+        &path,
+        text.lines()
+            .take(302)
+            .map(|l| format!("{l}\n"))
+            .collect::<String>(),
+    )
+    .unwrap();
     let message = arguments(place.path()).load().unwrap_err().to_string();
     assert!(message.contains("at least 5 s"), "{message}");
 }
@@ -217,20 +304,50 @@ fn comparison(case: &Case) -> Comparison {
         let mut native = Native::from_text(&case.model_text, "model").unwrap();
         let run = &data.runs[0];
         let windows = window_courses(&mut native, &data, &starts.states, 0.0).unwrap();
-        let (free_run, friction) = course(&mut native, run, 0, run.len() - 1, &starts.states[0]).unwrap();
-        Shown { windows, free_run, friction }
+        let (free_run, friction) =
+            course(&mut native, run, 0, run.len() - 1, &starts.states[0]).unwrap();
+        Shown {
+            windows,
+            free_run,
+            friction,
+        }
     };
-    let errors = WindowError { before: 20.0, after: 20.0, noise_floor: 1.0, closed: Some(0.0) };
-    let measures = Measures { rmse: Some(0.7), nrmse: Some(0.2), pc: None, apl: Some(0.1) };
+    let errors = WindowError {
+        before: 20.0,
+        after: 20.0,
+        noise_floor: 1.0,
+        closed: Some(0.0),
+    };
+    let measures = Measures {
+        rmse: Some(0.7),
+        nrmse: Some(0.2),
+        pc: None,
+        apl: Some(0.1),
+    };
     let gap = Gap {
         held_out: errors,
-        free_run: FreeRun { before: measures, after: measures, after_through_fmu: measures, reference_speed: 3.0 },
-        through_fmu: ThroughFmu { fmi3: errors, fmi2_before: 20.0, fmi2_after: 20.0 },
+        free_run: FreeRun {
+            before: measures,
+            after: measures,
+            after_through_fmu: measures,
+            reference_speed: 3.0,
+        },
+        through_fmu: ThroughFmu {
+            fmi3: errors,
+            fmi2_before: 20.0,
+            fmi2_after: 20.0,
+        },
         windows: data.windows.len(),
         windows_left_aside: 0,
     };
     let (before, after) = (shown(), shown());
-    Comparison { gap, free_stretch: 0, before, after, data }
+    Comparison {
+        gap,
+        free_stretch: 0,
+        before,
+        after,
+        data,
+    }
 }
 
 #[test]
@@ -243,7 +360,10 @@ fn the_report_is_well_formed_and_refers_to_nothing_outside() {
     finding.gap = Some(comparison.gap.clone());
     finding.notes.push("less < than & \"more\"".to_owned());
     let residuals = residual_torques(&case.training(), &case.model.rig);
-    assert!(residuals.iter().any(|r| r.disc.abs() > 0.02), "an unbalance of 0.046 N m must show");
+    assert!(
+        residuals.iter().any(|r| r.disc.abs() > 0.02),
+        "an unbalance of 0.046 N m must show"
+    );
     let page = Report {
         case: &case,
         finding: &finding,
@@ -254,7 +374,11 @@ fn the_report_is_well_formed_and_refers_to_nothing_outside() {
     .to_html();
     let document = page.strip_prefix("<!DOCTYPE html>").unwrap();
     let tree = roxmltree::Document::parse(document).unwrap();
-    let count = |name: &str| tree.descendants().filter(|node| node.tag_name().name() == name).count();
+    let count = |name: &str| {
+        tree.descendants()
+            .filter(|node| node.tag_name().name() == name)
+            .count()
+    };
     assert_eq!(count("h1"), 1);
     assert!(count("figure") >= 5, "{} figures", count("figure"));
     assert_eq!(count("figure"), count("figcaption"));
@@ -273,8 +397,12 @@ fn the_report_is_well_formed_and_refers_to_nothing_outside() {
 }
 
 fn stickslip(arguments: &[&str]) -> (i32, String) {
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip")).args(arguments).output().unwrap();
-    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .args(arguments)
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned()
+        + &String::from_utf8_lossy(&output.stderr);
     (output.status.code().unwrap(), text)
 }
 
@@ -288,7 +416,13 @@ fn the_stages_on_each_others_files_as_a_user_runs_them() {
         std::env::consts::DLL_PREFIX,
         std::env::consts::DLL_SUFFIX
     ));
-    let common = [case.to_str().unwrap(), "--out", out_text, "--library", library.to_str().unwrap()];
+    let common = [
+        case.to_str().unwrap(),
+        "--out",
+        out_text,
+        "--library",
+        library.to_str().unwrap(),
+    ];
     let run = |stage: &str, more: &[&str]| stickslip(&[&[stage], &common[..], more].concat());
 
     // Nothing to show yet: what to run is said.
@@ -301,13 +435,25 @@ fn the_stages_on_each_others_files_as_a_user_runs_them() {
     let (code, text) = run("show", &[]);
     assert_eq!(code, 0, "{text}");
     assert!(text.contains("of the gap is closed"), "{text}");
-    for file in ["finding.json", "model.amended.toml", "ReducedRig.fmi2.fmu", "ReducedRig.fmi3.fmu", "report.html"] {
+    for file in [
+        "finding.json",
+        "model.amended.toml",
+        "ReducedRig.fmi2.fmu",
+        "ReducedRig.fmi3.fmu",
+        "report.html",
+    ] {
         assert!(out.join(file).is_file(), "{file}");
     }
     let gap = Finding::read(&out).unwrap().gap.unwrap();
     assert!(gap.through_fmu.fmi3.closed.unwrap() > 0.98, "{gap:?}");
-    assert!((gap.through_fmu.fmi3.after / gap.held_out.after - 1.0).abs() < 1e-6, "{gap:?}");
-    assert!((gap.through_fmu.fmi2_after / gap.held_out.after - 1.0).abs() < 1e-6, "{gap:?}");
+    assert!(
+        (gap.through_fmu.fmi3.after / gap.held_out.after - 1.0).abs() < 1e-6,
+        "{gap:?}"
+    );
+    assert!(
+        (gap.through_fmu.fmi2_after / gap.held_out.after - 1.0).abs() < 1e-6,
+        "{gap:?}"
+    );
 
     // An effect that is not there leaves the gap open, and the exit code says so.
     let (code, text) = run("amend", &["--effect", "load_exponent"]);

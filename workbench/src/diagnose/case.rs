@@ -288,7 +288,9 @@ const STACK: usize = 64 << 20;
 /// Gives the engine's threads their stack. Every work of the engine begins with reading a case.
 fn prepare_threads() {
     // A second call finds the threads made already, as it should.
-    let _ = rayon::ThreadPoolBuilder::new().stack_size(STACK).build_global();
+    let _ = rayon::ThreadPoolBuilder::new()
+        .stack_size(STACK)
+        .build_global();
 }
 
 fn read(path: &Path) -> Result<String, CaseError> {

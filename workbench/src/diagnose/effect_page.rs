@@ -45,11 +45,19 @@ pub fn command(arguments: &EffectsArguments) -> anyhow::Result<Outcome> {
 /// All pages as file name and text, with an index.
 #[must_use]
 pub fn pages() -> Vec<(String, String)> {
-    let mut pages: Vec<(String, String)> =
-        CATALOGUE.iter().map(|entry| (format!("{}.md", entry.name), page(entry))).collect();
-    let mut index = String::from("# Effects\n\nWhat `stickslip diagnose` can name. Written by `stickslip effects --out docs/effects`.\n\n| effect | what it is |\n|---|---|\n");
+    let mut pages: Vec<(String, String)> = CATALOGUE
+        .iter()
+        .map(|entry| (format!("{}.md", entry.name), page(entry)))
+        .collect();
+    let mut index = String::from(
+        "# Effects\n\nWhat `stickslip diagnose` can name. Written by `stickslip effects --out docs/effects`.\n\n| effect | what it is |\n|---|---|\n",
+    );
     for entry in CATALOGUE {
-        let _ = writeln!(index, "| [{0}]({0}.md) | {1} |", entry.name, entry.description);
+        let _ = writeln!(
+            index,
+            "| [{0}]({0}.md) | {1} |",
+            entry.name, entry.description
+        );
     }
     pages.push(("README.md".to_owned(), index));
     pages
@@ -57,7 +65,11 @@ pub fn pages() -> Vec<(String, String)> {
 
 fn page(entry: &Entry) -> String {
     let mut text = format!("# {}\n\n{}.\n", entry.name, capital(entry.description));
-    let equations = if entry.is_law() { equations::law(law(entry.name)) } else { equations::effect(entry.name) };
+    let equations = if entry.is_law() {
+        equations::law(law(entry.name))
+    } else {
+        equations::effect(entry.name)
+    };
     if let Some(equations) = equations {
         text.push_str("\n## Equation\n\n```text\n");
         for equation in equations.equations {
@@ -65,12 +77,23 @@ fn page(entry: &Entry) -> String {
         }
         let _ = writeln!(text, "```\n\nSource: {}.", equations.source);
     }
-    let section = if entry.is_law() { "contact" } else { entry.name };
-    let _ = writeln!(text, "\n## Parameters\n\nIn `[{section}]` of the model file.\n");
+    let section = if entry.is_law() {
+        "contact"
+    } else {
+        entry.name
+    };
+    let _ = writeln!(
+        text,
+        "\n## Parameters\n\nIn `[{section}]` of the model file.\n"
+    );
     text.push_str("| key | in findings | unit | allowed | what |\n|---|---|---|---|---|\n");
     for info in parameters(entry) {
         let dotted = format!("{section}.{}", info.key);
-        let symbol = entry.symbols.iter().find(|(name, _)| *name == dotted).map_or(info.key, |(_, symbol)| symbol);
+        let symbol = entry
+            .symbols
+            .iter()
+            .find(|(name, _)| *name == dotted)
+            .map_or(info.key, |(_, symbol)| symbol);
         let _ = writeln!(
             text,
             "| `{}` | `{symbol}` | {} | {} | {} |",
@@ -113,7 +136,9 @@ fn parameters(entry: &Entry) -> &'static [ParameterInfo] {
 
 fn capital(text: &str) -> String {
     let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }
 
 #[cfg(test)]
@@ -127,7 +152,11 @@ mod tests {
             assert!(text.contains("## Equation"), "{}", entry.name);
             assert!(!parameters(entry).is_empty(), "{}", entry.name);
             for rival in entry.confusable {
-                assert!(CATALOGUE.iter().any(|other| other.name == *rival), "{} names {rival}", entry.name);
+                assert!(
+                    CATALOGUE.iter().any(|other| other.name == *rival),
+                    "{} names {rival}",
+                    entry.name
+                );
             }
         }
     }
@@ -137,7 +166,10 @@ mod tests {
         let directory = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/effects");
         for (file, text) in pages() {
             let committed = std::fs::read_to_string(directory.join(&file)).unwrap_or_default();
-            assert!(committed == text, "docs/effects/{file} is out of date: run `stickslip effects --out docs/effects`");
+            assert!(
+                committed == text,
+                "docs/effects/{file} is out of date: run `stickslip effects --out docs/effects`"
+            );
         }
     }
 }

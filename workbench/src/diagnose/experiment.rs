@@ -38,15 +38,30 @@ fn stairs(values: &[f64], time: f64) -> f64 {
 const CANDIDATES: [Inputs; 6] = [
     Inputs {
         description: "Without brake, at speeds from 1 to 9 rad/s forward and backward.",
-        shape: |t| (stairs(&[1.0, 3.0, 6.0, 9.0, -9.0, -6.0, -3.0, -1.0], t), 0.0),
+        shape: |t| {
+            (
+                stairs(&[1.0, 3.0, 6.0, 9.0, -9.0, -6.0, -3.0, -1.0], t),
+                0.0,
+            )
+        },
     },
     Inputs {
         description: "At 3 rad/s, with normal forces from 0 to 70 N.",
-        shape: |t| (3.0, stairs(&[0.0, 5.0, 10.0, 20.0, 35.0, 50.0, 60.0, 70.0], t)),
+        shape: |t| {
+            (
+                3.0,
+                stairs(&[0.0, 5.0, 10.0, 20.0, 35.0, 50.0, 60.0, 70.0], t),
+            )
+        },
     },
     Inputs {
         description: "At 9 rad/s, with normal forces from 0 to 70 N.",
-        shape: |t| (9.0, stairs(&[0.0, 5.0, 10.0, 20.0, 35.0, 50.0, 60.0, 70.0], t)),
+        shape: |t| {
+            (
+                9.0,
+                stairs(&[0.0, 5.0, 10.0, 20.0, 35.0, 50.0, 60.0, 70.0], t),
+            )
+        },
     },
     Inputs {
         description: "Under 30 N, reversing every 4 s between 6 rad/s forward and backward.",
@@ -58,7 +73,12 @@ const CANDIDATES: [Inputs; 6] = [
     },
     Inputs {
         description: "Speed and normal force both in steps: 2 and 8 rad/s under 10, 30 and 60 N.",
-        shape: |t| (stairs(&[2.0, 8.0, 2.0, 8.0, 2.0, 8.0], t), stairs(&[10.0, 10.0, 30.0, 30.0, 60.0, 60.0], t)),
+        shape: |t| {
+            (
+                stairs(&[2.0, 8.0, 2.0, 8.0, 2.0, 8.0], t),
+                stairs(&[10.0, 10.0, 30.0, 30.0, 60.0, 60.0], t),
+            )
+        },
     },
 ];
 
@@ -76,25 +96,50 @@ pub struct Proposal {
 ///
 /// # Errors
 /// The amended model cannot run under any of the candidates' inputs.
-pub fn propose(amended: &Rig<f64>, rivals: &[Fit], sensors: &Sensors) -> Result<Option<Proposal>, ProposalError> {
+pub fn propose(
+    amended: &Rig<f64>,
+    rivals: &[Fit],
+    sensors: &Sensors,
+) -> Result<Option<Proposal>, ProposalError> {
     let mut best: Option<(f64, &Inputs)> = None;
     for candidate in &CANDIDATES {
-        let Ok(run) = predicted(amended, candidate) else { continue };
+        let Ok(run) = predicted(amended, candidate) else {
+            continue;
+        };
         let back_emf = amended.gearbox.ratio * amended.motor.back_emf_constant;
         let windows = windows(0, &run, back_emf, amended.motor.resistance);
-        let data = Data { runs: std::sync::Arc::new(vec![run]), windows, deviations: sensors.deviations() };
-        let own = Hypothesis { effects: vec![], rig: *amended, free: vec![], x: vec![] };
+        let data = Data {
+            runs: std::sync::Arc::new(vec![run]),
+            windows,
+            deviations: sensors.deviations(),
+        };
+        let own = Hypothesis {
+            effects: vec![],
+            rig: *amended,
+            free: vec![],
+            x: vec![],
+        };
         let least = remaining(&data, &own, &Disturbance::NONE);
         let nearest = rivals
             .iter()
             .map(|rival| remaining(&data, &rival.hypothesis, &rival.disturbance) - least)
             .fold(f64::INFINITY, f64::min);
-        if nearest.is_finite() && best.as_ref().is_none_or(|(distance, _)| nearest > *distance) {
+        if nearest.is_finite()
+            && best
+                .as_ref()
+                .is_none_or(|(distance, _)| nearest > *distance)
+        {
             best = Some((nearest, candidate));
         }
     }
-    let Some((distance, candidate)) = best else { return Ok(None) };
-    Ok(Some(Proposal { inputs: record(amended, candidate)?, description: candidate.description, power: power(distance) }))
+    let Some((distance, candidate)) = best else {
+        return Ok(None);
+    };
+    Ok(Some(Proposal {
+        inputs: record(amended, candidate)?,
+        description: candidate.description,
+        power: power(distance),
+    }))
 }
 
 /// Why no experiment can be proposed.
@@ -109,7 +154,9 @@ pub enum ProposalError {
 }
 
 fn record(rig: &Rig<f64>, candidate: &Inputs) -> Result<Record, RecordError> {
-    let time: Vec<f64> = (0..=(LENGTH / STEP) as usize).map(|row| row as f64 * STEP).collect();
+    let time: Vec<f64> = (0..=(LENGTH / STEP) as usize)
+        .map(|row| row as f64 * STEP)
+        .collect();
     let (voltage, force) = time
         .iter()
         .map(|&t| {
@@ -142,12 +189,22 @@ fn predicted(rig: &Rig<f64>, candidate: &Inputs) -> Result<Run, ProposalError> {
 
 /// Sum of squares that a hypothesis leaves after its free numbers and the windows' starts are refitted to first order.
 fn remaining(data: &Data, hypothesis: &Hypothesis, disturbance: &Disturbance) -> f64 {
-    let Ok(rig) = hypothesis.rig_at() else { return f64::INFINITY };
+    let Ok(rig) = hypothesis.rig_at() else {
+        return f64::INFINITY;
+    };
     let starts = best_starts(data, &rig).states;
-    let forms = reduced(data, &starts, &grams(data, hypothesis, &starts), disturbance);
+    let forms = reduced(
+        data,
+        &starts,
+        &grams(data, hypothesis, &starts),
+        disturbance,
+    );
     let precisions = hypothesis.prior_precisions();
-    let (curvature, gradient) = normal_equations(forms.iter().flatten(), &precisions, &hypothesis.x);
-    let Some(step) = curvature.clone().cholesky().map(|c| c.solve(&gradient)) else { return f64::INFINITY };
+    let (curvature, gradient) =
+        normal_equations(forms.iter().flatten(), &precisions, &hypothesis.x);
+    let Some(step) = curvature.clone().cholesky().map(|c| c.solve(&gradient)) else {
+        return f64::INFINITY;
+    };
     let square: f64 = forms.iter().flatten().map(|form| form.square).sum();
     square - gradient.dot(&step)
 }
@@ -164,8 +221,16 @@ fn power(distance: f64) -> f64 {
 /// Complementary error function to 1.2e-7 (Numerical Recipes, Chebyshev fit in Section 6.2).
 fn complementary_error(x: f64) -> f64 {
     const COEFFICIENTS: [f64; 10] = [
-        -1.265_512_23, 1.000_023_68, 0.374_091_96, 0.096_784_18, -0.186_288_06, 0.278_868_07, -1.135_203_98,
-        1.488_515_87, -0.822_152_23, 0.170_872_77,
+        -1.265_512_23,
+        1.000_023_68,
+        0.374_091_96,
+        0.096_784_18,
+        -0.186_288_06,
+        0.278_868_07,
+        -1.135_203_98,
+        1.488_515_87,
+        -0.822_152_23,
+        0.170_872_77,
     ];
     let t = 1.0 / (1.0 + 0.5 * x.abs());
     let polynomial = COEFFICIENTS.iter().rev().fold(0.0, |sum, c| sum * t + c);
@@ -187,7 +252,12 @@ mod tests {
 
     #[test]
     fn error_function_at_known_points() {
-        for (x, value) in [(0.0, 1.0), (1.0, 0.157_299_207), (-1.0, 1.842_700_793), (2.0, 0.004_677_735)] {
+        for (x, value) in [
+            (0.0, 1.0),
+            (1.0, 0.157_299_207),
+            (-1.0, 1.842_700_793),
+            (2.0, 0.004_677_735),
+        ] {
             assert!((complementary_error(x) - value).abs() < 2e-7, "{x}");
         }
     }

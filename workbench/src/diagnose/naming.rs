@@ -19,7 +19,10 @@ pub const EXPERIMENT_FILE: &str = "experiment.csv";
 ///
 /// # Errors
 /// The fitted model cannot be built.
-pub fn name(case: &Case, progress: &mut dyn FnMut(&str)) -> anyhow::Result<(Finding, Option<Record>)> {
+pub fn name(
+    case: &Case,
+    progress: &mut dyn FnMut(&str),
+) -> anyhow::Result<(Finding, Option<Record>)> {
     let data = case.training();
     let found = diagnose(
         &data,
@@ -32,8 +35,11 @@ pub fn name(case: &Case, progress: &mut dyn FnMut(&str)) -> anyhow::Result<(Find
         return Ok((finding, None));
     }
     progress("looking for an experiment that decides");
-    let rivals: Vec<Fit> =
-        found.alternatives.iter().filter_map(|name| refit_with(&data, &found.base, name)).collect();
+    let rivals: Vec<Fit> = found
+        .alternatives
+        .iter()
+        .filter_map(|name| refit_with(&data, &found.base, name))
+        .collect();
     let proposal = propose(&found.amended.hypothesis.rig_at()?, &rivals, &case.sensors)?;
     let inputs = proposal.map(|proposal| {
         finding.experiment = Some(Experiment {
@@ -65,9 +71,16 @@ fn finding(case: &Case, data: &Data, found: &Diagnosis) -> anyhow::Result<Findin
         Verdict::NotInCatalogue => VerdictName::NotInCatalogue,
     };
     // Effects that leave structure are not added: the model keeps its refitted parameters alone.
-    let fit = if verdict == VerdictName::NotInCatalogue { &found.base } else { &found.amended };
-    let effects: Vec<(String, f64)> =
-        found.effects.iter().map(|effect| (effect.name.to_owned(), effect.probability)).collect();
+    let fit = if verdict == VerdictName::NotInCatalogue {
+        &found.base
+    } else {
+        &found.amended
+    };
+    let effects: Vec<(String, f64)> = found
+        .effects
+        .iter()
+        .map(|effect| (effect.name.to_owned(), effect.probability))
+        .collect();
     let mut finding = from_fit(case, verdict, &effects, fit, data)?;
     if verdict == VerdictName::Ambiguous {
         finding.alternatives = effects

@@ -103,7 +103,11 @@ pub fn compare(
     if used == 0 {
         return Err(ShowError::NoWindow);
     }
-    let noise = if disturbance.relative < LEAST_FLUCTUATION { Disturbance::NONE } else { *disturbance };
+    let noise = if disturbance.relative < LEAST_FLUCTUATION {
+        Disturbance::NONE
+    } else {
+        *disturbance
+    };
     let floor = floor(&starts_after, &data, &noise, &windows_after, &both);
     let error = |windows: &[Option<WindowCourse>]| root_mean_square(windows, &both);
     let held_out = window_error(error(&windows_before), error(&windows_after), floor);

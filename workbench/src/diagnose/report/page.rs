@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use super::{Report, figures};
 use crate::diagnose::catalogue::{Entry, entry};
 use crate::diagnose::console::{answer, number, percent, readable};
-use crate::diagnose::show::LEAST_FLUCTUATION;
 use crate::diagnose::finding::{Finding, Measures, ParameterValue, VerdictName};
+use crate::diagnose::show::LEAST_FLUCTUATION;
 use crate::plot::Figure;
 
 const STYLE: &str = include_str!("page.css");

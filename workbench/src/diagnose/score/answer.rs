@@ -67,7 +67,10 @@ impl Answer {
         if self.group() == Group::Outside {
             return Vec::new();
         }
-        self.kind.split("_and_").filter_map(catalogue_name).collect()
+        self.kind
+            .split("_and_")
+            .filter_map(catalogue_name)
+            .collect()
     }
 
     /// What the case is an example of.
@@ -105,7 +108,12 @@ mod tests {
     use super::*;
 
     fn answer(kind: &str, rough: f64, scale: f64) -> Answer {
-        Answer { kind: kind.to_owned(), rough, scale, effects: BTreeMap::new() }
+        Answer {
+            kind: kind.to_owned(),
+            rough,
+            scale,
+            effects: BTreeMap::new(),
+        }
     }
 
     #[test]
@@ -115,7 +123,10 @@ mod tests {
             ("bearing_friction_braked", vec!["bearing_friction"]),
             ("normal_force_wobble_gauss", vec!["normal_force_wobble"]),
             ("acceleration_hysteresis_c", vec!["acceleration_hysteresis"]),
-            ("wobble_and_bearing", vec!["normal_force_wobble", "bearing_friction"]),
+            (
+                "wobble_and_bearing",
+                vec!["normal_force_wobble", "bearing_friction"],
+            ),
             ("stiction", vec!["stiction"]),
             ("outside_breathing_inertia", vec![]),
         ] {
@@ -130,7 +141,10 @@ mod tests {
         assert_eq!(answer("unbalance", 0.0, 0.1).group(), Group::Small);
         assert_eq!(answer("unbalance", 0.0, 0.33).group(), Group::OtherSize);
         assert_eq!(answer("unbalance", 0.0, 1.4).group(), Group::Full);
-        assert_eq!(answer("unbalance_and_backlash", 0.0, 1.0).group(), Group::Pair);
+        assert_eq!(
+            answer("unbalance_and_backlash", 0.0, 1.0).group(),
+            Group::Pair
+        );
         assert_eq!(answer("outside_bump", 0.0, 1.0).group(), Group::Outside);
     }
 }

@@ -40,25 +40,42 @@ pub struct Judgement {
 #[must_use]
 pub fn judge(answer: &Answer, finding: &Finding) -> Judgement {
     let expected = answer.names();
-    let found: Vec<&str> = finding.effects.iter().map(|effect| effect.name.as_str()).collect();
+    let found: Vec<&str> = finding
+        .effects
+        .iter()
+        .map(|effect| effect.name.as_str())
+        .collect();
     let named = finding.verdict == VerdictName::Named;
-    let quiet = matches!(finding.verdict, VerdictName::NothingMissing | VerdictName::Parameters);
+    let quiet = matches!(
+        finding.verdict,
+        VerdictName::NothingMissing | VerdictName::Parameters
+    );
     // For what is nearly a change of parameters that verdict is right, and so are both names together.
-    let accepted = expected.first().is_some_and(|name| NEARLY_PARAMETERS.contains(name))
+    let accepted = expected
+        .first()
+        .is_some_and(|name| NEARLY_PARAMETERS.contains(name))
         && expected.len() == 1
         && (finding.verdict == VerdictName::Parameters
             || finding.verdict == VerdictName::Ambiguous
-                && NEARLY_PARAMETERS.iter().all(|name| finding.alternatives.iter().any(|a| a == name)));
+                && NEARLY_PARAMETERS
+                    .iter()
+                    .all(|name| finding.alternatives.iter().any(|a| a == name)));
     let speaks = named || finding.verdict == VerdictName::Ambiguous;
     let top_1 = accepted || speaks && found.first().is_some_and(|name| expected.contains(name));
     let exact = accepted
-        || named && found.len() == expected.len() && found.iter().all(|name| expected.contains(name));
+        || named
+            && found.len() == expected.len()
+            && found.iter().all(|name| expected.contains(name));
     let false_name = named && found.iter().any(|name| !expected.contains(name));
     let (size_errors, covered) = numbers(answer, finding);
     Judgement {
         group: answer.group(),
         kind: answer.kind.clone(),
-        said: if named { found.join(" + ") } else { finding.verdict.word().to_owned() },
+        said: if named {
+            found.join(" + ")
+        } else {
+            finding.verdict.word().to_owned()
+        },
         top_1,
         exact,
         named,
@@ -67,7 +84,10 @@ pub fn judge(answer: &Answer, finding: &Finding) -> Judgement {
         flagged: finding.verdict == VerdictName::NotInCatalogue,
         size_errors,
         covered,
-        closed: finding.gap.as_ref().and_then(|gap| gap.through_fmu.fmi3.closed),
+        closed: finding
+            .gap
+            .as_ref()
+            .and_then(|gap| gap.through_fmu.fmi3.closed),
         seconds: finding.seconds,
     }
 }
@@ -76,13 +96,22 @@ pub fn judge(answer: &Answer, finding: &Finding) -> Judgement {
 fn numbers(answer: &Answer, finding: &Finding) -> (Vec<f64>, Vec<bool>) {
     let (mut errors, mut covered) = (Vec::new(), Vec::new());
     let expected = answer.names();
-    let found = finding.effects.iter().filter(|effect| expected.contains(&effect.name.as_str()));
+    let found = finding
+        .effects
+        .iter()
+        .filter(|effect| expected.contains(&effect.name.as_str()));
     for (symbol, value) in found.flat_map(|effect| &effect.parameters) {
-        let Some(&truth) = answer.effects.get(symbol) else { continue };
+        let Some(&truth) = answer.effects.get(symbol) else {
+            continue;
+        };
         let is_phase = value.unit == "rad" && value.model_parameter.ends_with("phase");
         if !is_phase {
             // Factors and exponents are no effect at 1.
-            let neutral = if matches!(symbol.as_str(), "uscale" | "load_exp") { 1.0 } else { 0.0 };
+            let neutral = if matches!(symbol.as_str(), "uscale" | "load_exp") {
+                1.0
+            } else {
+                0.0
+            };
             errors.push(((value.value - truth) / (truth - neutral)).abs());
         }
         covered.extend(covers(value, truth, is_phase));

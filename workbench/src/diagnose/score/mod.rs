@@ -75,7 +75,12 @@ pub fn command(arguments: &ScoreArguments) -> anyhow::Result<Outcome> {
         tasks.push(task(case, answer, Vec::new(), arguments.out.join(case)));
         let names: Vec<String> = answer.names().into_iter().map(str::to_owned).collect();
         if arguments.leave_one_out && names.len() == 1 {
-            tasks.push(task(case, answer, names, arguments.out.join("leave-one-out").join(case)));
+            tasks.push(task(
+                case,
+                answer,
+                names,
+                arguments.out.join("leave-one-out").join(case),
+            ));
         }
     }
     let results = run_all(&tasks, arguments, &library);
@@ -90,26 +95,43 @@ pub fn command(arguments: &ScoreArguments) -> anyhow::Result<Outcome> {
     }
     let table = lines(&judged, &without);
     let markdown = markdown(&table, &judged, &without, &failed);
-    let mut json = serde_json::to_string_pretty(&Score { table: table.clone(), failed: failed.clone() })?;
+    let mut json = serde_json::to_string_pretty(&Score {
+        table: table.clone(),
+        failed: failed.clone(),
+    })?;
     json.push('\n');
     atomic::write_file(&arguments.out.join("score.json"), json.as_bytes())?;
     atomic::write_file(&arguments.out.join("score.md"), markdown.as_bytes())?;
     print!("{markdown}");
     let missed = table.iter().any(|line| line.reached == Some(false));
-    Ok(if missed || !failed.is_empty() { Outcome::CheckFailed } else { Outcome::Done })
+    Ok(if missed || !failed.is_empty() {
+        Outcome::CheckFailed
+    } else {
+        Outcome::Done
+    })
 }
 
 fn task(case: &str, answer: &Answer, without: Vec<String>, out: PathBuf) -> Task {
-    Task { case: case.to_owned(), answer: answer.clone(), without, out }
+    Task {
+        case: case.to_owned(),
+        answer: answer.clone(),
+        without,
+        out,
+    }
 }
 
-fn run_all(tasks: &[Task], arguments: &ScoreArguments, library: &Library) -> Vec<Option<anyhow::Result<Judgement>>> {
+fn run_all(
+    tasks: &[Task],
+    arguments: &ScoreArguments,
+    library: &Library,
+) -> Vec<Option<anyhow::Result<Judgement>>> {
     let bar = ProgressBar::new(tasks.len() as u64);
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg} {eta}") {
         bar.set_style(style);
     }
     let next = AtomicUsize::new(0);
-    let results: Mutex<Vec<Option<anyhow::Result<Judgement>>>> = Mutex::new(tasks.iter().map(|_| None).collect());
+    let results: Mutex<Vec<Option<anyhow::Result<Judgement>>>> =
+        Mutex::new(tasks.iter().map(|_| None).collect());
     std::thread::scope(|scope| {
         for _ in 0..arguments.jobs.max(1) {
             scope.spawn(|| {
@@ -117,15 +139,20 @@ fn run_all(tasks: &[Task], arguments: &ScoreArguments, library: &Library) -> Vec
                     let at = next.fetch_add(1, Ordering::Relaxed);
                     let Some(task) = tasks.get(at) else { return };
                     bar.set_message(task.case.clone());
-                    let result = diagnosed(task, &arguments.cases, library).map(|finding| judge(&task.answer, &finding));
-                    results.lock().unwrap_or_else(std::sync::PoisonError::into_inner)[at] = Some(result);
+                    let result = diagnosed(task, &arguments.cases, library)
+                        .map(|finding| judge(&task.answer, &finding));
+                    results
+                        .lock()
+                        .unwrap_or_else(std::sync::PoisonError::into_inner)[at] = Some(result);
                     bar.inc(1);
                 }
             });
         }
     });
     bar.finish_and_clear();
-    results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+    results
+        .into_inner()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 /// The finding of an earlier run, or a new one.
@@ -147,20 +174,39 @@ fn diagnosed(task: &Task, cases: &Path, library: &Library) -> anyhow::Result<Fin
     // Where the right effect is taken out only the verdict counts.
     if task.without.is_empty() {
         let text = amend::text(&case, &finding, &amend::amended_model(&case, &finding)?)?;
-        finding.gap = Some(compared(&case, &finding, &text, library).context("held-out record")?.gap);
+        finding.gap = Some(
+            compared(&case, &finding, &text, library)
+                .context("held-out record")?
+                .gap,
+        );
     }
     finding.seconds = begun.elapsed().as_secs_f64();
     finding.write(&task.out)?;
     Ok(finding)
 }
 
-fn markdown(table: &[Line], judged: &[Judgement], without: &[Judgement], failed: &[String]) -> String {
-    let mut text = format!("# Score\n\n{}\n## What was said\n\n{}", to_markdown(table), confusion(judged));
+fn markdown(
+    table: &[Line],
+    judged: &[Judgement],
+    without: &[Judgement],
+    failed: &[String],
+) -> String {
+    let mut text = format!(
+        "# Score\n\n{}\n## What was said\n\n{}",
+        to_markdown(table),
+        confusion(judged)
+    );
     if !without.is_empty() {
-        text.push_str(&format!("\n## With the right effect taken out of the catalogue\n\n{}", confusion(without)));
+        text.push_str(&format!(
+            "\n## With the right effect taken out of the catalogue\n\n{}",
+            confusion(without)
+        ));
     }
     if !failed.is_empty() {
-        text.push_str(&format!("\n## Not diagnosed\n\n- {}\n", failed.join("\n- ")));
+        text.push_str(&format!(
+            "\n## Not diagnosed\n\n- {}\n",
+            failed.join("\n- ")
+        ));
     }
     text
 }

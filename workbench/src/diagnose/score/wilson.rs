@@ -15,7 +15,10 @@ pub struct Share {
 impl Share {
     /// Counts how often `test` holds.
     pub fn of<T>(cases: impl Iterator<Item = T>, test: impl Fn(&T) -> bool) -> Self {
-        let mut share = Self { successes: 0, cases: 0 };
+        let mut share = Self {
+            successes: 0,
+            cases: 0,
+        };
         for case in cases {
             share.cases += 1;
             share.successes += usize::from(test(&case));
@@ -37,7 +40,10 @@ impl Share {
         let middle = p + Z * Z / (2.0 * n);
         let reach = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
         let scale = 1.0 + Z * Z / n;
-        [((middle - reach) / scale).max(0.0), ((middle + reach) / scale).min(1.0)]
+        [
+            ((middle - reach) / scale).max(0.0),
+            ((middle + reach) / scale).min(1.0),
+        ]
     }
 }
 
@@ -48,9 +54,11 @@ mod tests {
     #[test]
     fn intervals_of_known_counts() {
         // Oracle: statsmodels.stats.proportion.proportion_confint(count, nobs, method="wilson").
-        for (successes, cases, low, high) in
-            [(8, 10, 0.490_162, 0.943_318), (0, 20, 0.0, 0.161_125), (150, 150, 0.975_030, 1.0)]
-        {
+        for (successes, cases, low, high) in [
+            (8, 10, 0.490_162, 0.943_318),
+            (0, 20, 0.0, 0.161_125),
+            (150, 150, 0.975_030, 1.0),
+        ] {
             let [l, h] = Share { successes, cases }.interval95();
             assert!((l - low).abs() < 1e-4 && (h - high).abs() < 1e-4, "{l} {h}");
         }
