@@ -591,14 +591,16 @@ fn hysteresis(base: &Hypothesis) -> Vec<Hypothesis> {
         Law::Switch(law) => law.mu_c,
         Law::Wojewoda(_) | Law::TwoGaussianTorque(_) | Law::TwoGaussianMu(_) => return Vec::new(),
     };
-    HYSTERESIS_STARTS
-        .iter()
-        .map(|start| {
+    // The published sets belong to a sliding level of about 0.12.
+    let scaled = HYSTERESIS_STARTS.iter().flat_map(|start| {
+        [0.72, 0.8, 0.87, 0.93, 1.0, 1.07, 1.15, 1.25].map(|factor| (start, factor * level / 0.12))
+    });
+    scaled
+        .map(|(start, factor)| {
             let mut h = without_law(base);
             let mut values = *start;
-            // The published set belongs to a sliding level of about 0.12.
-            values[0] *= level / 0.12;
-            values[3] *= level / 0.12;
+            values[0] *= factor;
+            values[3] *= factor;
             let mut next = values.iter();
             let Ok(law) = TwoGaussianMu::from_values(|_| {
                 Ok::<f64, Infallible>(next.next().copied().unwrap_or(1.0))

@@ -125,7 +125,7 @@ pub fn diagnose(
         });
         let accepted = tried
             .first()
-            .filter(|best| best.gain > LEAST_GAIN && best.interval95[0] > 0.0)
+            .filter(|best| best.is_finalist && best.gain > LEAST_GAIN && best.interval95[0] > 0.0)
             .cloned();
         if let Some(best) = &accepted {
             rivals.push(indistinguishable(data, best, &tried));
@@ -224,7 +224,7 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
     let best_losses = best.fit.held_out_losses(data, &folds);
     tried
         .iter()
-        .filter(|t| t.name != best.name && t.gain > 0.3 * best.gain)
+        .filter(|t| t.is_finalist && t.name != best.name && t.gain > 0.3 * best.gain)
         .filter(|t| {
             let (shortfall, interval) =
                 gain(data, &t.fit.held_out_losses(data, &folds), &best_losses);

@@ -26,6 +26,17 @@ pub struct Data {
     pub deviations: [f64; CHANNELS],
 }
 
+impl Data {
+    /// The same records with only the windows of these numbers.
+    pub fn part(&self, kept: &[usize]) -> Self {
+        Self {
+            runs: Arc::clone(&self.runs),
+            windows: kept.iter().map(|&j| self.windows[j].clone()).collect(),
+            deviations: self.deviations,
+        }
+    }
+}
+
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -317,6 +328,23 @@ pub fn fit(
 }
 
 impl Fit {
+    /// The same fit on the windows of these numbers, which `part` holds.
+    pub fn part(&self, part: &Data, kept: &[usize]) -> Self {
+        let starts: Vec<RigState<f64>> = kept.iter().map(|&j| self.starts[j]).collect();
+        let grams: Vec<Option<Gram>> = kept.iter().map(|&j| self.grams[j].clone()).collect();
+        let loss = total_loss(
+            &reduced(part, &starts, &grams, &self.disturbance),
+            &self.hypothesis,
+        );
+        Self {
+            hypothesis: self.hypothesis.clone(),
+            starts,
+            grams,
+            loss,
+            ..*self
+        }
+    }
+
     /// Whether no more than the sensors' noise is left, even without random friction.
     pub fn is_explained(&self, data: &Data) -> bool {
         self.misfit(data) < 1.03 && self.disturbance.relative < 0.01
