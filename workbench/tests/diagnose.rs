@@ -2,6 +2,10 @@
 //!
 //! The case in `tests/data/unbalance` was made by `hidden-records make --seed 424243 --cases 1 --kind unbalance`, cut to the
 //! first 10 s (held-out: 8 s). Hidden: 0.0456 N m at 3.6126 rad, nominal parameters up to 4 % off.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests fail by panicking, like the tests"
+)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
