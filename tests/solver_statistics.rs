@@ -1,5 +1,7 @@
 //! Segments and switches of the reference runs: a loss of efficiency fails here without a clock.
 
+#![allow(clippy::unwrap_used, reason = "a test's helper fails the test")]
+
 use stickslip::integrator::{Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES};
 

@@ -3,7 +3,7 @@
 use super::catalogue::entry;
 use super::fit::{Data, Fit, fit};
 use super::hypothesis::{Estimate, Hypothesis};
-use super::search::{Tried, folds, gain, try_all};
+use super::search::{Tried, first_look, folds, gain, try_all};
 use super::structure::{Structure, structures};
 
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all
@@ -278,7 +278,8 @@ pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
         if start.dimension() > super::gram::MOST_FREE {
             continue;
         }
-        let fitted = fit(data, start, entry.window_starts(data, base, true), 25);
+        let look = first_look(data, start, base, true);
+        let fitted = fit(data, look.hypothesis, look.starts, 25);
         if best.as_ref().is_none_or(|b| fitted.loss < b.loss) {
             best = Some(fitted);
         }

@@ -2,8 +2,8 @@
 
 use super::catalogue::{CATALOGUE, Entry};
 use super::fit::{Data, FAILED, Fit, fit};
+use super::hypothesis::Hypothesis;
 use std::cmp::Ordering;
-use stickslip::plant::RigState;
 
 /// Windows in a row that share a fold: what half of the blocks teach is judged on the other half.
 const BLOCK: usize = 4;
@@ -23,15 +23,19 @@ pub struct Tried {
     pub is_finalist: bool,
 }
 
-impl Entry {
-    /// Where the windows start when this effect is tried on top of `base`: where the base has put
-    /// them, or as measured if the base is wrong and the effect far from it.
-    pub fn window_starts(&self, data: &Data, base: &Fit, wrong: bool) -> Vec<RigState<f64>> {
-        if wrong && self.is_nonlinear() {
-            data.windows.iter().map(|window| window.anchor).collect()
-        } else {
-            base.starts.clone()
-        }
+/// A hypothesis on top of `base` before any step: its windows start where the base has put them, or
+/// as measured if the base is wrong and that promises more.
+pub fn first_look(data: &Data, hypothesis: Hypothesis, base: &Fit, wrong: bool) -> Fit {
+    let carried = fit(data, hypothesis, base.starts.clone(), 0);
+    if !wrong {
+        return carried;
+    }
+    let anchors = data.windows.iter().map(|window| window.anchor).collect();
+    let measured = fit(data, carried.hypothesis.clone(), anchors, 0);
+    if measured.promised_loss(data) < carried.promised_loss(data) {
+        measured
+    } else {
+        carried
     }
 }
 
@@ -130,8 +134,8 @@ pub fn try_all(
         let is_finalist = gains && (rank < FINALISTS || found.loss < best + HOPELESS);
         if is_finalist {
             progress(entry.name);
-            let starts = entry.window_starts(data, base, wrong);
-            let fitted = fit(data, found.hypothesis, starts, 25);
+            let look = first_look(data, found.hypothesis, base, wrong);
+            let fitted = fit(data, look.hypothesis, look.starts, 25);
             let (gain, interval95) = gain(
                 data,
                 &base_losses,
@@ -187,7 +191,7 @@ fn explore(
             .starts(&base.hypothesis, wrong)
             .into_iter()
             .filter(|start| start.dimension() <= super::gram::MOST_FREE)
-            .map(|start| fit(part, start, entry.window_starts(part, base, wrong), 0))
+            .map(|start| first_look(part, start, base, wrong))
             .collect();
         // Many starts scan a range in which only the neighbourhood of the best is worth steps.
         if first.len() > SCANNED {
