@@ -104,8 +104,8 @@ mod tests {
     use super::*;
 
     fn noise(j: usize) -> f64 {
-        // A fixed irregular sequence of unit size.
-        ((j as f64 * 12.9898).sin() * 43_758.545_3).fract() * 3.4
+        // A fixed irregular sequence between −√3 and √3: its standard deviation is 1.
+        ((j as f64 * 12.9898).sin() * 43_758.545_3).fract() * 3f64.sqrt()
     }
 
     #[test]
