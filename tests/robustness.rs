@@ -283,3 +283,59 @@ fn restored_snapshots_continue_bit_for_bit() {
         }
     }
 }
+
+#[test]
+fn rounding_behind_a_switch_does_not_undo_it() {
+    // Angles of hundreds of rad: the shafts' torques are known to 1e-14 N m only, and with them the
+    // guards that are zero where the mode has just changed.
+    let hysteretic = reduced("wojewoda");
+    let narrow_band = common::rig(
+        false,
+        (
+            "karnopp",
+            "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nomega_tolerance = 1e-3",
+        ),
+        "",
+    );
+    let mut outer_pin = Rig::<f64>::from_toml(common::FULL_RIG, "full-rig.toml").unwrap();
+    for (name, value) in [("mu_c", 0.05), ("mu_s", 0.25 / 3.0), ("omega_s", 2.4)] {
+        outer_pin
+            .set_parameter(&format!("contact1.{name}"), value)
+            .unwrap();
+    }
+    let cases = [
+        (
+            hysteretic,
+            RigInputs::held(hysteretic.voltage_for_speed(5.76), 50.0, 0.0),
+        ),
+        (
+            narrow_band,
+            RigInputs::held(narrow_band.voltage_for_speed(5.76), 50.0, 0.0),
+        ),
+        (
+            outer_pin,
+            RigInputs::held(
+                outer_pin.voltage_for_speed(40.0 * std::f64::consts::PI / 30.0),
+                0.0,
+                40.0,
+            ),
+        ),
+    ];
+    for (rig, inputs) in cases {
+        let mut counts = Vec::new();
+        let mut ends = Vec::new();
+        for tolerance in [1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13] {
+            let mut run = common::start(&rig, tolerance, [0.0; STATES], inputs).unwrap();
+            run.advance_to(60.0).unwrap();
+            counts.push(run.statistics().switches);
+            ends.push(run.state_at(60.0)[THETA]);
+        }
+        assert!(
+            counts.iter().all(|count| *count == counts[0]),
+            "switches at tolerances 1e-8 to 1e-13: {counts:?}"
+        );
+        for pair in ends[2..].windows(2) {
+            assert!((pair[0] - pair[1]).abs() < 1e-8, "{ends:?}");
+        }
+    }
+}

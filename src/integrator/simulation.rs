@@ -14,6 +14,10 @@ const CHATTERING: u32 = 200;
 const INSTANT: f64 = 1e-10;
 /// Relative size below which a leading coefficient of the guard that was just crossed is rounding.
 const ROUNDING: f64 = 1e-11;
+/// The same for a negative coefficient: what a switch leaves behind is a small difference of large
+/// terms, such as the torque of a shaft whose two angles have grown for minutes. Taken at its word it
+/// would undo the switch, and the next rounding would do it again.
+const NEGATIVE_ROUNDING: f64 = 1e-8;
 
 /// Share of the tolerance for segments without fast transients: they are as long as it allows, where
 /// the others are kept short, and so more accurate, by the fast modes.
@@ -540,7 +544,7 @@ fn larger(a: f64, b: f64) -> f64 {
 
 /// Local time within `width` at which a guard is lost. Right behind a switch (`departing`) a guard may
 /// start at zero: leading coefficients that are only rounding over the length `reach`, on which the
-/// series is good, are divided out.
+/// series is good, are divided out. A guard that is lost by more than that is lost at once.
 fn loss(series: &[f64], reach: f64, width: f64, departing: bool) -> Option<f64> {
     let mut series = series;
     if departing || series[0] == 0.0 {
@@ -551,7 +555,15 @@ fn loss(series: &[f64], reach: f64, width: f64, departing: bool) -> Option<f64> 
             power *= reach;
         }
         let mut power = 1.0;
-        while series.len() > 1 && series[0].abs() * power <= ROUNDING * size {
+        let is_rounding = |c: f64, power: f64| {
+            let limit = if c < 0.0 && departing {
+                NEGATIVE_ROUNDING
+            } else {
+                ROUNDING
+            };
+            c.abs() * power <= limit * size
+        };
+        while series.len() > 1 && is_rounding(series[0], power) {
             series = &series[1..];
             power *= reach;
         }
