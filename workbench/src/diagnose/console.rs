@@ -83,11 +83,11 @@ pub fn answer(finding: &Finding) -> Vec<String> {
 
 fn described(effect: &FoundEffect) -> String {
     let what = entry(&effect.name).map_or("", |entry| entry.description);
-    let mut text = format!(
-        "{} ({what}), probability {:.3}",
-        readable(&effect.name),
-        effect.probability
-    );
+    let mut text = format!("{} ({what})", readable(&effect.name));
+    // An effect that a person named has no probability.
+    if effect.probability > 0.0 {
+        let _ = write!(text, ", probability {:.3}", effect.probability);
+    }
     for (symbol, value) in &effect.parameters {
         let unit = if value.unit == "1" {
             ""

@@ -79,7 +79,7 @@ pub struct Finding {
 pub struct FoundEffect {
     /// Name in the catalogue.
     pub name: String,
-    /// Probability that it is this one, 0 … 1.
+    /// Probability that it is this one, 0 … 1; 0 for an effect that a person named.
     pub probability: f64,
     /// Its numbers by their short names.
     pub parameters: BTreeMap<String, ParameterValue>,

@@ -23,7 +23,7 @@ const SPAN: usize = 10;
 pub enum RecordProblem {
     /// A column is missing.
     #[error("{0}; a diagnosis needs time, u, N2, theta, theta_dot, theta3 and theta3_dot")]
-    Column(#[from] RecordError),
+    Column(RecordError),
     /// No stretch is long enough.
     #[error(
         "{file}: has no stretch of {SHORTEST_STRETCH} s without holes; its longest has {seconds:.2} s"
@@ -136,7 +136,7 @@ pub fn check(record: &Record, rig: &Rig<f64>) -> Result<Checked, RecordProblem> 
     let file = record.source().to_owned();
     let mut notes = Vec::new();
     for name in COLUMNS {
-        record.require(name)?;
+        record.require(name).map_err(RecordProblem::Column)?;
     }
     let ignored: Vec<&str> = record
         .names()

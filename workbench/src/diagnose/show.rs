@@ -29,7 +29,7 @@ const GAP_SIGNIFICANCE: f64 = 4.0;
 
 /// Fluctuation of the friction, relative to it, below which it counts as an error of the model and not as noise: so small a
 /// one can stand in for anything.
-pub const LEAST_FLUCTUATION: f64 = 0.01;
+pub const LEAST_FLUCTUATION: f64 = 0.015;
 
 /// Why nothing can be shown.
 #[derive(Debug, Error)]
