@@ -442,14 +442,21 @@ impl Entry {
                 held,
             } => {
                 let (key, values) = held.first().copied().unwrap_or(("", &[0.0]));
-                values
-                    .iter()
-                    .map(|&value| {
+                // Without a choice of orders there is room for starts far from nothing.
+                let phases: &[f64] = if far && held.is_empty() {
+                    &[0.0, 1.6, 3.1, 4.7]
+                } else {
+                    &[]
+                };
+                let near = values.iter().map(|&value| (value, 0.001, 0.0));
+                let distant = phases.iter().map(|&phase| (0.0, 0.5, phase));
+                near.chain(distant)
+                    .map(|(value, size, angle)| {
                         let mut h = base.clone();
                         switch_on(
                             &mut h,
                             section,
-                            &[(key, value), (amplitude, 0.001 * scale), ("phase", 0.0)],
+                            &[(key, value), (amplitude, size * scale), ("phase", angle)],
                         );
                         h.free.push(Free::Polar {
                             amplitude: format!("{section}.{amplitude}"),
@@ -457,7 +464,7 @@ impl Entry {
                             scale,
                             high,
                         });
-                        h.x.extend([0.001, 0.0]);
+                        h.x.extend([size * angle.cos(), size * angle.sin()]);
                         h
                     })
                     .collect()

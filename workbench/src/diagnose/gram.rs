@@ -57,9 +57,9 @@ pub struct Place {
 pub struct Gram {
     /// Columns: start components, disc disturbances, motor disturbances, free numbers, residual.
     pub products: DMatrix<f64>,
-    /// Dual<N> of disturbance pieces.
+    /// Number of disturbance pieces.
     pub pieces: usize,
-    /// Dual<N> of residuals.
+    /// Number of residuals.
     pub residuals: usize,
     /// The middle of each piece.
     pub places: Vec<Place>,
