@@ -1,6 +1,6 @@
 //! The equations of the rigs, the friction laws and the effects, as the documentation shows them.
 
-/// A named group of equations in the notation of [`super::mathml`].
+/// A named group of equations in the notation of the module `mathml`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Equations {
     /// Heading.
