@@ -155,6 +155,9 @@ impl<S: Scalar> Slip<'_, S> {
     }
 
     fn expand_loop(&self, k: usize, resisting: S, law: &TwoGaussian<S>, jet: &mut SlipJet<S>) {
+        if k == 0 {
+            jet.branches_meet = self.is_unloaded();
+        }
         if self.regime == Regime::Holding {
             let [upper, lower] = law.levels_at_rest();
             jet.level[k] = Self::constant_level(k, upper);
@@ -191,9 +194,18 @@ impl<S: Scalar> Slip<'_, S> {
         jet.torque[k] = -(resisting + self.inertia * acceleration);
     }
 
+    /// Whether nothing presses the surfaces together: the law then says nothing.
+    fn is_unloaded(&self) -> bool {
+        self.load_is_constant && self.load[0].value() == 0.0
+    }
+
     /// The stable root of the loop that continues the branch of `near`, or else the next one; and
     /// whether there is none because zero acceleration lies between the branches.
     fn loop_root(&self, resisting: S, speed: S, law: &TwoGaussian<S>) -> (S, bool) {
+        if self.is_unloaded() {
+            let acceleration = -((resisting + self.constant_torque) * self.inverse_inertia);
+            return (acceleration, false);
+        }
         let (e, v) = (resisting.value(), speed.value());
         let plain = TwoGaussian {
             heights: law.heights.map(Scalar::value),

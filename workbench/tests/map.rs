@@ -132,6 +132,31 @@ fn the_two_gaussian_law_gives_the_published_motions() {
 }
 
 #[test]
+fn a_lifted_pin_leaves_a_free_disc_under_every_law() {
+    let parts = MODEL.split("[contact]").next().unwrap();
+    let spans = [
+        (Quantity::SpeedRpm, span("5:60:3")),
+        (Quantity::NormalForce, span("0")),
+    ];
+    let model = format!("{parts}{TWO_GAUSSIAN}");
+    let hysteretic = Settings::new(&model, "two-gaussian", &spans, 60.0, 1e-9).unwrap();
+    let plain = Settings::new(MODEL, "stribeck", &spans, 60.0, 1e-9).unwrap();
+    for row in 0..3 {
+        let (left, right) = (hysteretic.run(row, 0), plain.run(row, 0));
+        assert_eq!(left.motion, Some(Motion::Steady));
+        assert_eq!(right.motion, Some(Motion::Steady));
+        assert!(
+            (left.maximum - right.maximum).abs() < 1e-7,
+            "{left:?} {right:?}"
+        );
+        assert!(
+            (left.minimum - right.minimum).abs() < 1e-7,
+            "{left:?} {right:?}"
+        );
+    }
+}
+
+#[test]
 fn the_tolerance_of_maps_changes_no_verdict() {
     let coarse = settings("20:60:3", "5:65:3");
     for row in 0..coarse.rows() {

@@ -13,6 +13,8 @@ use crate::component::closest;
 
 /// Order of the integrator's polynomials: for the tolerances of maps, cheaper than its default.
 const ORDER: usize = 16;
+/// Segments that one run may take: a hundred times what a run of a minute needs.
+const BUDGET: u64 = 200_000;
 
 /// What a map varies.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -229,6 +231,7 @@ impl Settings {
         Options {
             tolerance: self.tolerance,
             order: ORDER,
+            budget: BUDGET,
             ..Options::default()
         }
     }
