@@ -73,7 +73,12 @@ impl<S: Scalar> SlipJet<S> {
             margin: 1.0,
             between: false,
             branches_meet: false,
-            work: vec![zero; law.workspace()],
+            // Laws with a curve of their own seldom come here: see `expand_order`.
+            work: if law.exponential_curve().is_some() {
+                Vec::new()
+            } else {
+                vec![zero; law.workspace()]
+            },
         }
     }
 }
@@ -83,6 +88,9 @@ impl<S: Scalar> Slip<'_, S> {
     /// speed (already in `jet`), of the disc's angle and of the other resisting torques.
     #[inline]
     pub fn expand_order(&self, k: usize, resisting: S, angle: &Series<S>, jet: &mut SlipJet<S>) {
+        if k == 0 && jet.work.len() < self.law.workspace() {
+            jet.work.resize(self.law.workspace(), [S::ZERO; TERMS]);
+        }
         let constant = if k == 0 {
             self.constant_torque
         } else {
@@ -196,7 +204,8 @@ impl<S: Scalar> Slip<'_, S> {
 
     /// Whether nothing presses the surfaces together: the law then says nothing.
     fn is_unloaded(&self) -> bool {
-        self.load_is_constant && self.load[0].value() == 0.0
+        self.load[0].value() == 0.0
+            && (self.load_is_constant || self.load.iter().all(|c| c.value() == 0.0))
     }
 
     /// The stable root of the loop that continues the branch of `near`, or else the next one; and

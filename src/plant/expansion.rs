@@ -42,7 +42,7 @@ pub(super) struct PinJet<S> {
     pub constant_torque: S,
     /// Normal force [N] and factor of wear, each when it changes in the course of the segment: the
     /// load vanishes while one is negative.
-    pub moving: [Option<Series<S>>; 2],
+    pub moving: [Option<Box<Series<S>>>; 2],
 }
 
 impl<S: Scalar> PinJet<S> {
@@ -57,7 +57,7 @@ impl<S: Scalar> PinJet<S> {
             breakaway: zero,
             resisting: zero,
             constant_torque: S::ZERO,
-            moving: [None; 2],
+            moving: [None, None],
         }
     }
 }
@@ -343,7 +343,11 @@ impl<S: Scalar> Rig<S> {
 
 /// Makes a force (or a factor of it) that is not above `threshold` vanish: a pin cannot pull. Gives
 /// what has to be watched if it is not constant.
-fn lift_off<S: Scalar>(force: &mut Series<S>, constant: bool, threshold: f64) -> Option<Series<S>> {
+fn lift_off<S: Scalar>(
+    force: &mut Series<S>,
+    constant: bool,
+    threshold: f64,
+) -> Option<Box<Series<S>>> {
     if constant {
         if force[0].value() <= threshold + ROUNDING_OF_FORCE {
             force[0] = S::ZERO;
@@ -361,7 +365,7 @@ fn lift_off<S: Scalar>(force: &mut Series<S>, constant: bool, threshold: f64) ->
     if next.is_none_or(|c| c < 0.0) {
         *force = [S::ZERO; TERMS];
     }
-    Some(watched)
+    Some(Box::new(watched))
 }
 
 fn scale<S: Scalar>(series: &mut Series<S>, constant: bool, factor: S) {

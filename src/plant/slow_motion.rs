@@ -43,7 +43,8 @@ struct Drive<S> {
 impl<S: Scalar, const N: usize> SlowMotion<S, N> {
     pub fn new() -> Self {
         Self {
-            found: Vec::new(),
+            // A run meets three or four: disc and motor stuck and sliding.
+            found: Vec::with_capacity(4),
             slow: [[S::ZERO; N]; TERMS],
             fast: [[S::ZERO; 2]; TERMS],
             forcing: [[S::ZERO; 2]; TERMS],

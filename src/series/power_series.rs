@@ -3,7 +3,7 @@
 use super::Scalar;
 
 /// Number of coefficients carried: orders 0 to `TERMS − 1`.
-pub const TERMS: usize = 26;
+pub const TERMS: usize = 23;
 
 /// Coefficients of a polynomial in local time, lowest order first.
 pub type Series<S> = [S; TERMS];

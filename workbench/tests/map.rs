@@ -162,7 +162,7 @@ fn the_tolerance_of_maps_changes_no_verdict() {
     for row in 0..coarse.rows() {
         for column in 0..coarse.columns() {
             let (rig, inputs) = coarse.conditions(row, column).unwrap();
-            let fine = run_point(rig, inputs, 60.0, Default::default()).unwrap();
+            let fine = run_point(rig, inputs, 60.0, Default::default(), 0).unwrap();
             let point = coarse.run(row, column);
             assert_eq!(point.motion, fine.motion);
             assert!(

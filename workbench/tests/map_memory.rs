@@ -38,7 +38,7 @@ static COUNTING: Counting = Counting;
 fn a_run_of_a_map_needs_at_most_eight_kibibytes() {
     let spans = [
         (Quantity::SpeedRpm, "55:56:2".parse().unwrap()),
-        (Quantity::NormalForce, "50".parse().unwrap()),
+        (Quantity::NormalForce, "50:51:2".parse().unwrap()),
     ];
     let model = include_str!("../../modelDescription/reduced-rig.toml");
     let settings = Settings::new(model, "reduced-rig.toml", &spans, 60.0, 1e-9).unwrap();

@@ -13,7 +13,7 @@ mod watch;
 pub use arguments::MapArguments;
 pub use grid::{Finished, run_rows};
 pub use journal::{Journal, JournalError};
-pub use point::{Point, run_point};
+pub use point::{MOST_EXTREMA, Point, run_point};
 pub use settings::{Quantity, Settings, SettingsError, Varied};
 pub use span::Span;
 pub use watch::Watch;

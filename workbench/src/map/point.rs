@@ -6,8 +6,8 @@ use stickslip::plant::{Rig, RigInputs, STATES};
 use super::watch::Watch;
 use crate::analysis::motion::Motion;
 
-/// Most local extrema of the velocity that are kept for a bifurcation diagram.
-pub(super) const MOST_EXTREMA: usize = 48;
+/// Most local extrema of the velocity that are kept of a run for a bifurcation diagram.
+pub const MOST_EXTREMA: usize = 48;
 
 /// What is kept of a run: of disc D2 in the last third.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Point {
     pub stick_fraction: f64,
     /// Mode changes of the whole rig over the whole run.
     pub switches: u64,
-    /// Local maxima and minima of the velocity [rad/s] in order of time, the last 48 at most.
+    /// Local maxima and minima of the velocity [rad/s] in order of time, the last ones that were asked for.
     pub extrema: Vec<f64>,
 }
 
@@ -104,7 +104,8 @@ impl Point {
     }
 }
 
-/// Runs the rig from rest for `duration` [s] and judges it on the way; no trajectory is stored.
+/// Runs the rig from rest for `duration` [s] and judges it on the way; no trajectory is stored, and of the local extrema
+/// of the velocity the last `extrema` at most.
 ///
 /// # Errors
 /// Where the integrator gives up.
@@ -113,9 +114,10 @@ pub fn run_point(
     inputs: RigInputs<f64>,
     duration: f64,
     options: Options,
+    extrema: usize,
 ) -> Result<Point, IntegrationError> {
     let mut run = Simulation::new(rig, options, 0.0, [0.0; STATES], inputs)?;
-    let mut watch = Watch::new(duration);
+    let mut watch = Watch::new(duration, extrema);
     let mut segments = 0;
     loop {
         watch.see(&run, options.order);

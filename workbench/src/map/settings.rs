@@ -7,7 +7,7 @@ use stickslip::parameter::ParameterError;
 use stickslip::plant::{ModelFileError, Rig, RigInputs, RigKind};
 use thiserror::Error;
 
-use super::point::{Point, run_point};
+use super::point::{MOST_EXTREMA, Point, run_point};
 use super::span::Span;
 use crate::component::closest;
 
@@ -279,10 +279,17 @@ impl Settings {
     }
 
     fn try_run(&self, row: usize, column: usize) -> Result<Point, String> {
+        // Only a bifurcation diagram shows them.
+        let extrema = if self.column.is_none() {
+            MOST_EXTREMA
+        } else {
+            0
+        };
         let (rig, inputs) = self
             .conditions(row, column)
             .map_err(|error| error.to_string())?;
-        run_point(rig, inputs, self.duration, self.options()).map_err(|error| error.to_string())
+        run_point(rig, inputs, self.duration, self.options(), extrema)
+            .map_err(|error| error.to_string())
     }
 
     /// Why the first of the failed runs failed; empty if none did.

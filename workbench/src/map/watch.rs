@@ -1,11 +1,13 @@
 //! Watches a run as it goes by, on the polynomials of its segments.
 
+use std::collections::VecDeque;
+
 use stickslip::integrator::HybridSystem;
 use stickslip::integrator::Simulation;
 use stickslip::plant::{Contact, Rig, index};
 use stickslip::series::{evaluate, evaluate_derivative};
 
-use super::point::{MOST_EXTREMA, Point};
+use super::point::Point;
 use crate::analysis::motion::{Evidence, thirds};
 
 /// Parts into which a segment is cut to look for extrema and crossings. A segment of high order is far shorter than the
@@ -35,7 +37,8 @@ pub struct Watch {
     /// Time of the first and last crossing with the time stuck until then [s].
     first: (f64, f64),
     last: (f64, f64),
-    extrema: std::collections::VecDeque<f64>,
+    most_extrema: usize,
+    extrema: VecDeque<f64>,
 }
 
 /// Where a piece of a run lies.
@@ -46,9 +49,9 @@ enum Part {
 }
 
 impl Watch {
-    /// For a run from 0 to `end` [s].
+    /// For a run from 0 to `end` [s], of whose local extrema the last `most_extrema` are to be kept.
     #[must_use]
-    pub fn new(end: f64) -> Self {
+    pub fn new(end: f64, most_extrema: usize) -> Self {
         let (early_start, late_start) = thirds(0.0, end);
         Self {
             early_start,
@@ -61,7 +64,8 @@ impl Watch {
             crossings: 0,
             first: (0.0, 0.0),
             last: (0.0, 0.0),
-            extrema: std::collections::VecDeque::new(),
+            most_extrema,
+            extrema: VecDeque::new(),
         }
     }
 
@@ -151,10 +155,12 @@ impl Watch {
     }
 
     fn keep_extremum(&mut self, value: f64) {
-        if self.extrema.len() == MOST_EXTREMA {
+        if self.extrema.len() == self.most_extrema {
             self.extrema.pop_front();
         }
-        self.extrema.push_back(value);
+        if self.most_extrema > 0 {
+            self.extrema.push_back(value);
+        }
     }
 
     fn cross(&mut self, time: f64) {
