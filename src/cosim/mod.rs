@@ -3,9 +3,11 @@
 //! Nothing here knows the C interfaces; [`crate::ffi`] stands on it.
 
 mod identity;
+mod input_signals;
 mod model;
 mod open;
 mod rig;
+mod rows;
 pub mod state;
 #[cfg(test)]
 pub(crate) mod test_model;

@@ -19,11 +19,12 @@ mod slow_manifold;
 mod slow_motion;
 mod switching;
 
+pub use crate::parameter::{ModelFileError, Parameter, Provenance};
 pub use effects::*;
 pub use expansion::RigJet;
 pub use inputs::{INPUT_TERMS, RigInputs};
 pub use mode::{Contact, Coupling, RigGuard, RigMode};
-pub use model_file::{ModelFile, ModelFileError, Provenance};
-pub use rig::{Outer, Parameter, Rig, RigKind, RigState, STATES, index};
+pub use model_file::ModelFile;
+pub use rig::{Outer, Rig, RigKind, RigState, STATES, index};
 pub use sections::{ContactRadius, Disc, Gearbox, Motor, Shaft};
 pub use sensitivity::{Sensitivities, SensitivityError, sensitivities};

@@ -2,7 +2,7 @@
 
 use super::{ContactRadius, Disc, Effects, Gearbox, Motor, Shaft};
 use crate::friction::Law;
-use crate::parameter::{ParameterError, ParameterInfo, Section};
+use crate::parameter::{self, Parameter, ParameterError, Section};
 use crate::series::Scalar;
 
 /// Number of state variables of the largest rig.
@@ -74,17 +74,6 @@ pub struct Rig<S> {
     pub effects: Effects<S>,
 }
 
-/// One parameter of a model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    /// Dotted name, section and key.
-    pub name: String,
-    /// Section of `model.toml`.
-    pub section: &'static str,
-    /// Key, unit, range and description.
-    pub info: ParameterInfo,
-}
-
 impl<S: Scalar> Rig<S> {
     /// Reduced or full.
     pub fn kind(&self) -> RigKind {
@@ -136,29 +125,12 @@ impl<S: Scalar> Rig<S> {
 
     /// All parameters in a fixed order.
     pub fn parameters(&self) -> Vec<Parameter> {
-        let mut parameters = Vec::new();
-        for (section, values) in self.sections() {
-            for info in values.infos() {
-                parameters.push(Parameter {
-                    name: format!("{section}.{}", info.key),
-                    section,
-                    info: *info,
-                });
-            }
-        }
-        parameters
+        parameter::parameters(&self.sections())
     }
 
     /// Value of the parameter at this position of [`Self::parameters`].
     pub fn parameter_at(&self, position: usize) -> Option<S> {
-        let mut position = position;
-        for (_, values) in self.sections() {
-            if position < values.infos().len() {
-                return Some(values.get(position));
-            }
-            position -= values.infos().len();
-        }
-        None
+        parameter::value_at(&self.sections(), position)
     }
 
     /// Value of the parameter with this dotted name.
@@ -168,40 +140,12 @@ impl<S: Scalar> Rig<S> {
 
     /// Position of the parameter with this dotted name in [`Self::parameters`].
     pub fn position(&self, name: &str) -> Option<usize> {
-        let (section, key) = name.split_once('.')?;
-        let mut position = 0;
-        for (name, values) in self.sections() {
-            for info in values.infos() {
-                if name == section && info.key == key {
-                    return Some(position);
-                }
-                position += 1;
-            }
-        }
-        None
+        parameter::position(&self.sections(), name)
     }
 
     /// Replaces a parameter by position after checking its range.
     pub fn set_parameter_at(&mut self, position: usize, value: S) -> Result<(), ParameterError> {
-        let mut left = position;
-        for (section, values) in self.sections_mut() {
-            let infos = values.infos();
-            if let Some(info) = infos.get(left) {
-                if !info.range.contains(value.value()) {
-                    return Err(ParameterError::OutOfRange {
-                        name: format!("{section}.{}", info.key),
-                        value: value.value(),
-                        range: info.range,
-                    });
-                }
-                values.set(left, value);
-                return Ok(());
-            }
-            left -= infos.len();
-        }
-        Err(ParameterError::Unknown {
-            name: format!("number {position}"),
-        })
+        parameter::set_at(self.sections_mut(), position, value)
     }
 
     /// Replaces a parameter by dotted name after checking its range.
@@ -214,18 +158,7 @@ impl<S: Scalar> Rig<S> {
 
     /// Checks every range and every relation between parameters.
     pub fn check(&self) -> Result<(), ParameterError> {
-        for (section, values) in self.sections() {
-            for (j, info) in values.infos().iter().enumerate() {
-                let value = values.get(j).value();
-                if !info.range.contains(value) {
-                    return Err(ParameterError::OutOfRange {
-                        name: format!("{section}.{}", info.key),
-                        value,
-                        range: info.range,
-                    });
-                }
-            }
-        }
+        parameter::check(&self.sections())?;
         self.law.check("contact")?;
         match &self.outer {
             Some(outer) => outer.law.check("contact1"),

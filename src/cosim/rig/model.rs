@@ -171,7 +171,7 @@ impl CoSimulationModel for RigModel {
         let time = self.time;
         match self.quantity(value_reference)? {
             Quantity::Time => Ok(time),
-            Quantity::Input(channel) => Ok(self.signals.value(channel, time)),
+            Quantity::Input(channel) => Ok(self.signals.value(channel as usize, time)),
             Quantity::State(place) if !self.initialised => Ok(self.initial_state[place]),
             Quantity::Parameter(position) => self
                 .rig
@@ -206,7 +206,7 @@ impl CoSimulationModel for RigModel {
 
     fn set_real(&mut self, value_reference: u32, value: f64) -> Result<(), ModelError> {
         match self.quantity(value_reference)? {
-            Quantity::Input(channel) => self.signals.set_value(channel, value, self.time),
+            Quantity::Input(channel) => self.signals.set_value(channel as usize, value, self.time),
             Quantity::State(place) => self.initial_state[place] = value,
             Quantity::Parameter(position) => {
                 self.rig
@@ -235,7 +235,7 @@ impl CoSimulationModel for RigModel {
             )));
         };
         self.signals
-            .set_derivative(channel, order, value, self.time);
+            .set_derivative(channel as usize, order, value, self.time);
         self.pending = true;
         Ok(())
     }

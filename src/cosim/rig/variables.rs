@@ -1,10 +1,8 @@
 //! The variable table of a rig.
 
-use crate::cosim::{
-    Causality, Initial, TableError, Variability, Variable, VariableTable, VariableType,
-};
-use crate::parameter::Range;
-use crate::plant::{Parameter, Rig, RigKind, index};
+use crate::cosim::rows::{flag, input, parameter_row, row};
+use crate::cosim::{Causality, Initial, TableError, Variable, VariableTable};
+use crate::plant::{Rig, RigKind, index};
 
 /// What a row of the table stands for in the rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,11 +41,6 @@ pub(super) enum Friction {
     Disc1,
     Motor,
 }
-
-/// Parameters that are built into a rig: they stay as they are while it runs. The others wear, warm
-/// up, are adjusted or are calibrated while it runs, hence tunable.
-const BUILT_IN_SECTIONS: &[&str] = &["disc", "disc1", "gearbox", "backlash", "sensor_delay"];
-const BUILT_IN_KEYS: &[&str] = &["inertia", "inductance", "radius", "order", "seed"];
 
 /// The variable table of `rig`, and what each row stands for.
 ///
@@ -177,14 +170,7 @@ impl Rows {
     }
 
     fn flag(&mut self, quantity: Quantity, name: &str, description: &str) {
-        let variable = Variable {
-            variable_type: VariableType::Boolean,
-            variability: Variability::Discrete,
-            initial: Some(Initial::Calculated),
-            unit: None,
-            ..row(name, Causality::Local, "1", description)
-        };
-        self.add(quantity, variable);
+        self.add(quantity, flag(name, description));
     }
 
     /// Adds the dependencies, which need the places of the rows, and makes the table.
@@ -219,63 +205,10 @@ impl Rows {
     }
 }
 
-fn row(name: &str, causality: Causality, unit: &str, description: &str) -> Variable {
-    Variable {
-        value_reference: 0,
-        name: name.into(),
-        variable_type: VariableType::Real,
-        causality,
-        variability: Variability::Continuous,
-        initial: None,
-        unit: Some(unit.into()),
-        display_unit: None,
-        start: None,
-        minimum: None,
-        above_minimum: false,
-        maximum: None,
-        nominal: None,
-        description: description.into(),
-        dependencies: Vec::new(),
-        initial_dependencies: Vec::new(),
-    }
-}
-
-fn input(name: &str, unit: &str, nominal: f64, description: &str) -> Variable {
-    Variable {
-        start: Some(0.0),
-        nominal: Some(nominal),
-        ..row(name, Causality::Input, unit, description)
-    }
-}
-
-fn parameter_row(parameter: &Parameter, start: Option<f64>) -> Variable {
-    let info = &parameter.info;
-    let built_in =
-        BUILT_IN_SECTIONS.contains(&parameter.section) || BUILT_IN_KEYS.contains(&info.key);
-    Variable {
-        variability: if built_in {
-            Variability::Fixed
-        } else {
-            Variability::Tunable
-        },
-        initial: Some(Initial::Exact),
-        display_unit: (info.unit == "rad").then_some("deg"),
-        start,
-        minimum: info.range.minimum(),
-        above_minimum: info.range == Range::Positive,
-        maximum: info.range.maximum(),
-        ..row(
-            &parameter.name,
-            Causality::Parameter,
-            info.unit,
-            info.description.trim(),
-        )
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cosim::Variability;
 
     fn names(file: &str, causality: Causality) -> Vec<String> {
         let rig = Rig::from_toml(file, "test").unwrap();

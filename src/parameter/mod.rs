@@ -1,5 +1,13 @@
 //! Physical parameters: one declaration gives the struct, its names, units, ranges and access.
 
+mod list;
+mod section_file;
+
+pub use list::Parameter;
+pub(crate) use list::{check, parameters, position, set_at, value_at};
+pub(crate) use section_file::SectionReader;
+pub use section_file::{ModelFileError, Provenance};
+
 use crate::series::Scalar;
 use std::fmt;
 use thiserror::Error;
