@@ -43,7 +43,7 @@ pub struct LogCategory {
 pub const LOG_CATEGORIES: [LogCategory; 5] = [
     LogCategory {
         name: "logEvents",
-        description: "Switches between sticking and slipping, and jumps of the friction torque",
+        description: "Switches between sticking and slipping, jumps of the friction torque, voltage limits reached and left",
     },
     LogCategory {
         name: "logStatusWarning",

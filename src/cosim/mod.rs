@@ -2,6 +2,7 @@
 //!
 //! Nothing here knows the C interfaces; [`crate::ffi`] stands on it.
 
+mod controller;
 mod identity;
 mod input_signals;
 mod model;
@@ -15,6 +16,7 @@ mod token;
 pub mod units;
 mod variables;
 
+pub use controller::ControllerModel;
 pub use identity::{
     DefaultExperiment, Identity, LOG_CATEGORIES, LogCategory, MAX_INPUT_DERIVATIVE_ORDER,
     MAX_OUTPUT_DERIVATIVE_ORDER,

@@ -1,7 +1,9 @@
 //! From the text of `model.toml` to the model that it describes.
 
+use super::controller::ControllerModel;
 use super::model::{CoSimulationModel, ModelError};
 use super::rig::RigModel;
+use crate::controller::{ControlLaw, is_controller};
 use crate::plant::Rig;
 
 /// Name of the resource that describes the component.
@@ -16,8 +18,13 @@ pub fn open(text: &str, file_name: &str) -> Result<Box<dyn CoSimulationModel>, M
     if text == super::test_model::MODEL_TOML {
         return Ok(Box::new(super::test_model::TestModel::new()));
     }
+    let table_error = |error| ModelError(format!("{file_name}: {error}"));
+    if is_controller(text) {
+        let law = ControlLaw::from_toml(text, file_name).map_err(ModelError::from_display)?;
+        let model = ControllerModel::new(law, text).map_err(table_error)?;
+        return Ok(Box::new(model));
+    }
     let rig = Rig::from_toml(text, file_name).map_err(ModelError::from_display)?;
-    let model =
-        RigModel::new(rig, text).map_err(|error| ModelError(format!("{file_name}: {error}")))?;
+    let model = RigModel::new(rig, text).map_err(table_error)?;
     Ok(Box::new(model))
 }

@@ -1,4 +1,4 @@
-"""FMUs of both rigs, built by the shipped `build-fmu` from the shipped model files."""
+"""FMUs of the rigs and controllers, built by the shipped `build-fmu` from the shipped model files."""
 
 import pathlib
 import subprocess
@@ -10,6 +10,8 @@ PROGRAMS = ROOT / "target" / "release"
 MODELS = {
     "ReducedRig": ROOT / "modelDescription" / "reduced-rig.toml",
     "FullRig": ROOT / "modelDescription" / "full-rig.toml",
+    "SpeedController": ROOT / "modelDescription" / "speed-controller.toml",
+    "SoftTorque": ROOT / "modelDescription" / "soft-torque.toml",
 }
 VERSIONS = ("fmi2", "fmi3")
 
@@ -22,7 +24,7 @@ def build(model, folder):
 
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory):
-    """Paths of the four FMUs by (model, version)."""
+    """Paths of the FMUs by (model, version)."""
     folder = tmp_path_factory.mktemp("fmus")
     for model in MODELS.values():
         result = build(model, folder)

@@ -30,7 +30,7 @@ const INPUT_ERROR: u8 = 2;
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
-    /// The model: parts, friction law and effects of the rig with their numbers.
+    /// The model: a rig with its parts, friction law and effects, or a controller, with their numbers.
     #[arg(required = true)]
     model: Option<PathBuf>,
     /// Folder for the FMUs; made if it is missing.

@@ -1,6 +1,7 @@
 //! `documentation/index.html` of an FMU: equations, signs, variables, parameters with their sources. One
 //! file without scripts or links to elsewhere.
 
+mod controller;
 pub mod equations;
 mod mathml;
 
@@ -22,15 +23,25 @@ code{background:#eef2f6;padding:0 .2rem}math{margin:.4rem 0}small{color:#5b6875}
 /// The page for a model: `facts` as in the XML, `model_toml` the resource with sources and status of its values.
 pub fn page(facts: &Facts<'_>, model_toml: &toml::Table) -> String {
     let name = facts.identity.model_identifier;
-    let sections = [
-        introduction(facts),
-        signs(),
-        model_equations(facts, model_toml),
-        variables(facts),
-        parameters(facts, model_toml),
-        misprints(),
-        usage(facts),
-    ];
+    let sections = match controller::equations(model_toml) {
+        Some(law) => vec![
+            introduction(facts),
+            controller::signs(),
+            format!("<h2>Equations</h2>\n{}", group(&law)),
+            variables(facts),
+            parameters(facts, model_toml),
+            controller::usage(facts),
+        ],
+        None => vec![
+            introduction(facts),
+            signs(),
+            model_equations(facts, model_toml),
+            variables(facts),
+            parameters(facts, model_toml),
+            misprints(),
+            usage(facts),
+        ],
+    };
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n\
          <style>{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n{}\n</body>\n</html>\n",

@@ -14,7 +14,7 @@ struct Terminal {
 const TERMINALS: [Terminal; 4] = [
     Terminal {
         name: "armature",
-        description: "Electrical: voltage in, current out",
+        description: "Electrical: voltage and current of the motor",
         members: &[("u", "voltage"), ("i", "current")],
     },
     Terminal {

@@ -6,7 +6,12 @@ use build_fmu::platform::FmiVersion;
 
 #[test]
 fn kept_model_descriptions_are_up_to_date() {
-    for model in ["reduced-rig.toml", "full-rig.toml"] {
+    for model in [
+        "reduced-rig.toml",
+        "full-rig.toml",
+        "speed-controller.toml",
+        "soft-torque.toml",
+    ] {
         let source = Source::read(&shipped_model(model)).unwrap();
         for version in FmiVersion::ALL {
             let kept = shipped_model(&source.xml_file_name(version));

@@ -1,0 +1,64 @@
+//! A controller's saved state.
+
+use crate::controller::{ControlLaw, INPUTS, Mode, Side, Start};
+use crate::cosim::{StateError, StateReader, StateWriter};
+
+/// All modes; a state stores the place in this list.
+const MODES: [Mode; 7] = [
+    Mode::Within,
+    Mode::Holding(Side::Lower),
+    Mode::Holding(Side::Upper),
+    Mode::Riding(Side::Lower),
+    Mode::Riding(Side::Upper),
+    Mode::Unwinding(Side::Lower),
+    Mode::Unwinding(Side::Upper),
+];
+
+/// Writes the values of all parameters.
+pub(super) fn write_law(law: &ControlLaw<f64>, state: &mut StateWriter) {
+    for position in 0..law.parameters().len() {
+        state.real(law.parameter_at(position).unwrap_or(f64::NAN));
+    }
+}
+
+/// The law built like `original` with the values that were written.
+pub(super) fn read_law(
+    original: &ControlLaw<f64>,
+    state: &mut StateReader<'_>,
+) -> Result<ControlLaw<f64>, StateError> {
+    let mut law = *original;
+    for position in 0..original.parameters().len() {
+        law.set_parameter_at(position, state.real()?)
+            .map_err(|error| StateError::Content(error.to_string()))?;
+    }
+    Ok(law)
+}
+
+/// Writes where the present stretch of a course began.
+pub(super) fn write_start(start: &Start, state: &mut StateWriter) {
+    state.real(start.time);
+    state.real(start.integral);
+    state.real(start.filtered_torque);
+    start.inputs.iter().flatten().for_each(|c| state.real(*c));
+    let place = MODES.iter().position(|mode| start.mode == Some(*mode));
+    state.integer(place.map_or(u64::MAX, |place| place as u64));
+}
+
+/// The opposite of [`write_start`].
+pub(super) fn read_start(state: &mut StateReader<'_>) -> Result<Start, StateError> {
+    let (time, integral, filtered_torque) = (state.real()?, state.real()?, state.real()?);
+    let mut inputs = [[0.0; 4]; INPUTS];
+    for coefficient in inputs.iter_mut().flatten() {
+        *coefficient = state.real()?;
+    }
+    let place = state.integer()?;
+    let mode = usize::try_from(place).ok().and_then(|p| MODES.get(p));
+    let mode = mode.ok_or_else(|| StateError::Content(format!("there is no mode {place}")))?;
+    Ok(Start {
+        time,
+        integral,
+        filtered_torque,
+        inputs,
+        mode: Some(*mode),
+    })
+}
