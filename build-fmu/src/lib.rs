@@ -2,7 +2,7 @@
 //!
 //! The order of things: [`model_description`] writes the XML from the one variable table,
 //! [`binary_check`] loads the library and makes it accept the model, [`contents`] lays out the
-//! folders, [`archive`] zips them reproducibly, [`build`] does all of it. [`lint`] checks any FMU.
+//! folders, [`archive`] zips them reproducibly, [`build`] does all of it. [`ssp`] packs several connected components. [`lint`] checks any FMU.
 
 pub mod archive;
 pub mod binary_check;
@@ -14,4 +14,5 @@ pub mod library;
 pub mod lint;
 pub mod model_description;
 pub mod platform;
+pub mod ssp;
 pub mod symbols;

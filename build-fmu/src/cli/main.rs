@@ -9,7 +9,8 @@ use build_fmu::build::Source;
 use build_fmu::library;
 use build_fmu::lint::{self, Loading, Package};
 use build_fmu::platform::FmiVersion;
-use clap::{Parser, Subcommand, ValueEnum};
+use build_fmu::ssp::{self, System};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Exit code for wrong usage or input; 1 is kept for checks that say no.
 const INPUT_ERROR: u8 = 2;
@@ -63,6 +64,43 @@ enum Command {
         #[arg(long)]
         no_load: bool,
     },
+    /// Pack several models with their connections into a system structure archive (SSP 1.0).
+    #[command(
+        after_help = "Example:\n  build-fmu ssp modelDescription/reduced-rig.toml \
+                            modelDescription/soft-torque.toml --start omega_ref=5.76 --start N2=50 --out out\n\
+                            connects what is called the same: u, theta3_dot, i."
+    )]
+    Ssp(SystemArguments),
+}
+
+#[derive(Debug, Args)]
+struct SystemArguments {
+    /// The models; outputs are connected to inputs of the same name.
+    #[arg(required = true)]
+    models: Vec<PathBuf>,
+    /// Start value of a free input or of a parameter; may be repeated.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = start_value)]
+    start: Vec<(String, f64)>,
+    /// Give the system itself connectors for its free inputs and all outputs. FMPy needs them; ecos and
+    /// libcosim cannot read them.
+    #[arg(long)]
+    expose: bool,
+    /// Version of the FMUs; SSP 1.0 was written for FMI 2.
+    #[arg(long, value_enum, value_name = "VERSION", default_value = "2")]
+    fmi: Version,
+    /// The library to pack [default: the one beside this program].
+    #[arg(long, value_name = "PATH")]
+    library: Option<PathBuf>,
+    /// Folder for the archive; made if it is missing.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+fn start_value(text: &str) -> Result<(String, f64), String> {
+    let needed = "NAME=VALUE is needed, such as N2=50";
+    let (name, value) = text.split_once('=').ok_or(needed)?;
+    let value = value.trim().parse().map_err(|_| needed)?;
+    Ok((name.trim().to_owned(), value))
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -86,6 +124,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome = match &arguments.command {
         Some(Command::Check { fmus, no_load }) => check(fmus, *no_load),
+        Some(Command::Ssp(arguments)) => pack_system(arguments).map(|()| true),
         None => build(&arguments).map(|()| true),
     };
     match outcome {
@@ -118,6 +157,25 @@ fn check(fmus: &[PathBuf], no_load: bool) -> anyhow::Result<bool> {
         }
     }
     Ok(clean)
+}
+
+fn pack_system(arguments: &SystemArguments) -> anyhow::Result<()> {
+    let components = arguments
+        .models
+        .iter()
+        .map(|model| Source::read(model))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut system = System::new(components)?;
+    for (name, value) in &arguments.start {
+        system.start(name, *value)?;
+    }
+    if arguments.expose {
+        system.expose();
+    }
+    let library = library::find(arguments.library.as_deref())?;
+    let path = ssp::build(&system, &library, arguments.fmi.into(), &arguments.out)?;
+    println!("{}", path.display());
+    Ok(())
 }
 
 fn build(arguments: &Arguments) -> anyhow::Result<()> {

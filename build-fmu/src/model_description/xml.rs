@@ -19,28 +19,28 @@ pub enum XmlError {
 
 /// Attributes of one element, in the order in which they are added.
 #[derive(Debug, Default)]
-pub(super) struct Attributes(Vec<(&'static str, String)>);
+pub(crate) struct Attributes(Vec<(&'static str, String)>);
 
 impl Attributes {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::default()
     }
 
-    pub(super) fn text(mut self, name: &'static str, value: impl Into<String>) -> Self {
+    pub(crate) fn text(mut self, name: &'static str, value: impl Into<String>) -> Self {
         self.0.push((name, value.into()));
         self
     }
 
-    pub(super) fn flag(self, name: &'static str, value: bool) -> Self {
+    pub(crate) fn flag(self, name: &'static str, value: bool) -> Self {
         self.text(name, value.to_string())
     }
 
-    pub(super) fn number(self, name: &'static str, value: f64) -> Self {
+    pub(crate) fn number(self, name: &'static str, value: f64) -> Self {
         self.text(name, number(value))
     }
 
     /// Adds the attribute only if there is a value.
-    pub(super) fn optional_text(self, name: &'static str, value: Option<&str>) -> Self {
+    pub(crate) fn optional_text(self, name: &'static str, value: Option<&str>) -> Self {
         match value {
             Some(value) => self.text(name, value),
             None => self,
@@ -48,7 +48,7 @@ impl Attributes {
     }
 
     /// Adds the attribute only if there is a value.
-    pub(super) fn optional_number(self, name: &'static str, value: Option<f64>) -> Self {
+    pub(crate) fn optional_number(self, name: &'static str, value: Option<f64>) -> Self {
         match value {
             Some(value) => self.number(name, value),
             None => self,
@@ -56,14 +56,14 @@ impl Attributes {
     }
 
     /// Adds a list of references with blanks between them, empty if there are none.
-    pub(super) fn list(self, name: &'static str, values: impl IntoIterator<Item = u32>) -> Self {
+    pub(crate) fn list(self, name: &'static str, values: impl IntoIterator<Item = u32>) -> Self {
         let words: Vec<String> = values.into_iter().map(|value| value.to_string()).collect();
         self.text(name, words.join(" "))
     }
 }
 
 /// Shortest decimal text that reads back as the same number.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude != 0.0 && !(1e-4..1e7).contains(&magnitude) {
         format!("{value:e}")
@@ -73,23 +73,23 @@ pub(super) fn number(value: f64) -> String {
 }
 
 /// A document under construction.
-pub(super) struct Document(Writer<Vec<u8>>);
+pub(crate) struct Document(Writer<Vec<u8>>);
 
 impl Document {
-    pub(super) fn new() -> Result<Self, XmlError> {
+    pub(crate) fn new() -> Result<Self, XmlError> {
         let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
         writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         Ok(Self(writer))
     }
 
     /// An element without content.
-    pub(super) fn leaf(&mut self, name: &str, attributes: Attributes) -> Result<(), XmlError> {
+    pub(crate) fn leaf(&mut self, name: &str, attributes: Attributes) -> Result<(), XmlError> {
         self.0.write_event(Event::Empty(start(name, &attributes)))?;
         Ok(())
     }
 
     /// An element whose content is written by `content`.
-    pub(super) fn element(
+    pub(crate) fn element(
         &mut self,
         name: &str,
         attributes: Attributes,
@@ -101,7 +101,7 @@ impl Document {
         Ok(())
     }
 
-    pub(super) fn finish(self) -> Result<String, XmlError> {
+    pub(crate) fn finish(self) -> Result<String, XmlError> {
         let mut text = String::from_utf8(self.0.into_inner())?;
         text.push('\n');
         Ok(text)

@@ -1,0 +1,175 @@
+//! `SystemStructure.ssd` of SSP 1.0.
+
+use stickslip::cosim::{Causality, Variable, VariableType};
+
+use super::system::System;
+use crate::model_description::{Attributes, Document, XmlError};
+use crate::platform::FmiVersion;
+
+const NAMESPACE: &str = "http://ssp-standard.org/SSP1/SystemStructure";
+
+/// The description of a system whose components are FMUs of this version.
+pub(super) fn write(system: &System, version: FmiVersion) -> Result<String, XmlError> {
+    let root = Attributes::new()
+        .text("xmlns:ssd", format!("{NAMESPACE}Description"))
+        .text("xmlns:ssc", format!("{NAMESPACE}Common"))
+        .text("xmlns:ssv", format!("{NAMESPACE}ParameterValues"))
+        .text("version", "1.0")
+        .text("name", system.name())
+        .text(
+            "generationTool",
+            concat!("stickslip build-fmu ", env!("CARGO_PKG_VERSION")),
+        );
+    let mut document = Document::new()?;
+    document.element("ssd:SystemStructureDescription", root, |xml| {
+        let name = Attributes::new().text("name", "system");
+        xml.element("ssd:System", name, |xml| {
+            if system.is_exposed() {
+                xml.element("ssd:Connectors", Attributes::new(), |xml| {
+                    let outputs = system.all(Causality::Output);
+                    let mut ends = system.free_inputs().chain(outputs);
+                    ends.try_for_each(|(_, variable)| connector(xml, variable))
+                })?;
+            }
+            xml.element("ssd:Elements", Attributes::new(), |xml| {
+                (0..system.components().len())
+                    .try_for_each(|place| component(xml, system, place, version))
+            })?;
+            xml.element("ssd:Connections", Attributes::new(), |xml| {
+                connections(xml, system)
+            })
+        })?;
+        units(xml, system)?;
+        let stop_time = system
+            .components()
+            .iter()
+            .map(|source| source.facts().identity.default_experiment.stop_time)
+            .fold(0.0, f64::max);
+        let experiment = Attributes::new()
+            .number("startTime", 0.0)
+            .number("stopTime", stop_time);
+        xml.leaf("ssd:DefaultExperiment", experiment)
+    })?;
+    document.finish()
+}
+
+/// Definitions of all units of connectors, each once.
+fn units(xml: &mut Document, system: &System) -> Result<(), XmlError> {
+    let connectors = || {
+        let inputs = system.all(Causality::Input);
+        inputs.chain(system.all(Causality::Output))
+    };
+    let mut written = Vec::new();
+    xml.element("ssd:Units", Attributes::new(), |xml| {
+        for (place, variable) in connectors() {
+            let units = system.table(place).units();
+            let used = units
+                .iter()
+                .find(|unit| Some(&unit.name) == variable.unit.as_ref());
+            let Some(unit) = used.filter(|unit| !written.contains(&unit.name)) else {
+                continue;
+            };
+            written.push(unit.name.clone());
+            let name = Attributes::new().text("name", &unit.name);
+            xml.element("ssc:Unit", name, |xml| {
+                let exponents = unit.base.attributes();
+                let base = exponents.fold(Attributes::new(), |list, (name, exponent)| {
+                    list.text(name, exponent.to_string())
+                });
+                xml.leaf("ssc:BaseUnit", base)
+            })?;
+        }
+        Ok(())
+    })
+}
+
+fn connector(xml: &mut Document, variable: &Variable) -> Result<(), XmlError> {
+    let attributes = Attributes::new()
+        .text("name", &variable.name)
+        .text("kind", variable.causality.xml());
+    xml.element("ssd:Connector", attributes, |xml| {
+        match variable.variable_type {
+            VariableType::Real => {
+                let unit = Attributes::new().optional_text("unit", variable.unit.as_deref());
+                xml.leaf("ssc:Real", unit)
+            }
+            VariableType::Boolean => xml.leaf("ssc:Boolean", Attributes::new()),
+        }
+    })
+}
+
+fn component(
+    xml: &mut Document,
+    system: &System,
+    place: usize,
+    version: FmiVersion,
+) -> Result<(), XmlError> {
+    let file = system.components()[place].fmu_file_name(version);
+    let attributes = Attributes::new()
+        .text("name", system.component_name(place))
+        .text("type", "application/x-fmu-sharedlibrary")
+        .text("source", format!("resources/{file}"));
+    xml.element("ssd:Component", attributes, |xml| {
+        xml.element("ssd:Connectors", Attributes::new(), |xml| {
+            let variables = system.table(place).variables().iter();
+            variables
+                .filter(|v| matches!(v.causality, Causality::Input | Causality::Output))
+                .try_for_each(|variable| connector(xml, variable))
+        })?;
+        if system.starts(place).next().is_none() {
+            return Ok(());
+        }
+        xml.element("ssd:ParameterBindings", Attributes::new(), |xml| {
+            xml.element("ssd:ParameterBinding", Attributes::new(), |xml| {
+                xml.element("ssd:ParameterValues", Attributes::new(), |xml| {
+                    start_values(xml, system, place)
+                })
+            })
+        })
+    })
+}
+
+fn start_values(xml: &mut Document, system: &System, place: usize) -> Result<(), XmlError> {
+    let set = Attributes::new()
+        .text("version", "1.0")
+        .text("name", "start_values");
+    xml.element("ssv:ParameterSet", set, |xml| {
+        xml.element("ssv:Parameters", Attributes::new(), |xml| {
+            system.starts(place).try_for_each(|(variable, value)| {
+                let name = Attributes::new().text("name", &variable.name);
+                xml.element("ssv:Parameter", name, |xml| {
+                    xml.leaf("ssv:Real", Attributes::new().number("value", value))
+                })
+            })
+        })
+    })
+}
+
+fn connections(xml: &mut Document, system: &System) -> Result<(), XmlError> {
+    for connection in system.connections() {
+        let attributes = Attributes::new()
+            .text("startElement", system.component_name(connection.from))
+            .text("startConnector", &connection.variable)
+            .text("endElement", system.component_name(connection.to))
+            .text("endConnector", &connection.variable);
+        xml.leaf("ssd:Connection", attributes)?;
+    }
+    if !system.is_exposed() {
+        return Ok(());
+    }
+    for (place, input) in system.free_inputs() {
+        let attributes = Attributes::new()
+            .text("startConnector", &input.name)
+            .text("endElement", system.component_name(place))
+            .text("endConnector", &input.name);
+        xml.leaf("ssd:Connection", attributes)?;
+    }
+    for (place, output) in system.all(Causality::Output) {
+        let attributes = Attributes::new()
+            .text("startElement", system.component_name(place))
+            .text("startConnector", &output.name)
+            .text("endConnector", &output.name);
+        xml.leaf("ssd:Connection", attributes)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,53 @@
+//! System structure archives (SSP 1.0): several components with their connections in one file.
+
+mod description;
+mod system;
+
+pub use system::{System, SystemError};
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::archive::{Archive, ArchiveError, write_atomically};
+use crate::build::BuildError;
+use crate::library::Library;
+use crate::model_description::XmlError;
+use crate::platform::FmiVersion;
+
+/// Why an archive could not be built.
+#[derive(Debug, Error)]
+pub enum SspError {
+    /// A component could not be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The description could not be written.
+    #[error(transparent)]
+    Xml(#[from] XmlError),
+    /// The archive could not be packed or written.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+}
+
+/// Builds the components of `system`, packs them with its description, and writes the archive into
+/// `folder`, whole or not at all; returns its path.
+///
+/// # Errors
+/// [`SspError`] if one of the steps fails.
+pub fn build(
+    system: &System,
+    library: &Library,
+    version: FmiVersion,
+    folder: &Path,
+) -> Result<PathBuf, SspError> {
+    let mut archive = Archive::default();
+    let description = description::write(system, version)?;
+    archive.add("SystemStructure.ssd", description)?;
+    for source in system.components() {
+        let name = format!("resources/{}", source.fmu_file_name(version));
+        archive.add(&name, source.to_bytes(library, version)?)?;
+    }
+    let path = folder.join(format!("{}.{}.ssp", system.name(), version.tag()));
+    write_atomically(&path, &archive.to_bytes()?)?;
+    Ok(path)
+}
