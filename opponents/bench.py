@@ -38,29 +38,33 @@ def group_of(answer):
         return "pair"
     if answer["rough"] > 0:
         return "rough"
-    return "small" if answer["scale"] < 0.5 else "full"
+    if answer["scale"] < 0.25:
+        return "small"
+    return "full" if 0.55 <= answer["scale"] <= 1.45 else "other"
 
 
-def score(cases: Path, without_truth: bool):
+def score(cases: Path):
+    """A row per case and method, and one more per single effect with that effect taken out of the library."""
     answers = json.loads((cases / "ANSWERS.json").read_text())
     rows = []
     for index, (case, answer) in enumerate(answers.items(), start=1):
         print(f"\r{index}/{len(answers)} {case:40}", end="", file=sys.stderr, flush=True)
         truth = hidden_effects(answer["kind"])
         start = time.perf_counter()
-        regression = problem(cases / case)
-        if without_truth:
-            regression = regression.without(truth)
+        whole = problem(cases / case)
         shared = time.perf_counter() - start
-        for method in METHODS:
-            start = time.perf_counter()
-            named = run(method, regression)
-            rows.append({
-                "case": case, "kind": answer["kind"], "group": group_of(answer), "method": method,
-                "named": " ".join(named), "top1": bool(truth) and named[:1] != [] and named[0] in truth,
-                "exact": sorted(named) == sorted(truth), "named_something": bool(named),
-                "seconds": shared + time.perf_counter() - start,
-            })
+        for without in (False, True) if len(truth) == 1 else (False,):
+            regression = whole.without(truth) if without else whole
+            for method in METHODS:
+                start = time.perf_counter()
+                named = run(method, regression)
+                rows.append({
+                    "case": case, "kind": answer["kind"], "group": group_of(answer), "method": method,
+                    "without": without, "named": " ".join(named),
+                    "top1": not without and named[:1] != [] and named[0] in truth,
+                    "exact": sorted(named) == sorted([] if without else truth), "named_something": bool(named),
+                    "seconds": shared + time.perf_counter() - start,
+                })
     print(file=sys.stderr)
     return pd.DataFrame(rows)
 
@@ -69,17 +73,16 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("cases", type=Path, help="directory with ANSWERS.json")
     arguments.add_argument("--out", type=Path, default=Path("out"), help="where opponents.csv and .json go")
-    arguments.add_argument("--without-truth", action="store_true", help="take the hidden effects out of the library")
     given = arguments.parse_args()
     if not (given.cases / "ANSWERS.json").exists():
         print(f"{given.cases}: no ANSWERS.json here", file=sys.stderr)
         return 2
-    table = score(given.cases, given.without_truth)
-    summary = table.groupby(["group", "method"], sort=True).agg(
+    table = score(given.cases)
+    summary = table.groupby(["without", "group", "method"], sort=True).agg(
         cases=("case", "count"), top1=("top1", "sum"), exact=("exact", "sum"),
         named_something=("named_something", "sum"), seconds=("seconds", "mean"),
     )
-    print(table.pivot(index=["case"], columns="method", values="named").to_string())
+    print(table[~table.without].pivot(index=["case"], columns="method", values="named").to_string())
     print()
     print(summary.round(2).to_string())
     given.out.mkdir(parents=True, exist_ok=True)

@@ -43,18 +43,37 @@ pub enum Command {
     /// Say what a model or an FMU is and has.
     Info(InfoArguments),
     /// Name the effect that a model lacks, add it, and show on a held-out record that the gap is closed.
+    #[command(after_help = "Example: stickslip diagnose my-case --out result
+         stickslip diagnose --model model.toml --records run-a.csv run-b.csv --held-out held-out.csv --out result
+
+Reading on: result/report.html. Exit codes: 0 gap closed or nothing missing, 1 structure left, 2 bad input, 130 interrupted.")]
     Diagnose(DiagnoseArguments),
     /// First stage of `diagnose`: where model and records disagree.
+    #[command(after_help = "Example: stickslip locate my-case --out result
+
+Then: stickslip name my-case --out result")]
     Locate(DiagnoseArguments),
     /// Second stage of `diagnose`: which effect is missing.
+    #[command(
+        after_help = "Example: stickslip name my-case --out result --without stribeck
+
+Then: stickslip amend my-case --out result"
+    )]
     Name(DiagnoseArguments),
     /// Third stage of `diagnose`: the amended model and its FMUs, from the finding or from effects that are given.
+    #[command(after_help = "Example: stickslip amend my-case --out result
+         stickslip amend my-case --out result --effect unbalance --effect viscous_drag
+
+Then: stickslip show my-case --out result")]
     Amend(AmendArguments),
     /// Last stage of `diagnose`: before and after on the held-out record, and the report.
+    #[command(after_help = "Example: stickslip show my-case --out result")]
     Show(DiagnoseArguments),
     /// The effects that can be named, or a page on each.
+    #[command(after_help = "Example: stickslip effects --out docs/effects")]
     Effects(EffectsArguments),
     /// Diagnose cases whose answers are known, and judge the findings.
+    #[command(after_help = "Example: stickslip score cases --out score --leave-one-out")]
     Score(ScoreArguments),
     /// Pack a model into FMUs.
     Build(BuildArguments),

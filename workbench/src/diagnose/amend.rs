@@ -18,6 +18,8 @@ use crate::files::atomic::{self, WriteError};
 
 /// Name of the amended model in the output directory.
 pub const FILE: &str = "model.amended.toml";
+/// Names of its FMUs there.
+pub const FMU_FILES: [&str; 2] = ["ReducedRig.fmi2.fmu", "ReducedRig.fmi3.fmu"];
 
 /// Standard deviations from the middle to the end of a 95 % interval.
 const TO_95_PERCENT: f64 = 1.96;

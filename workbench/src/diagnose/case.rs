@@ -1,5 +1,6 @@
 //! A case: the analyst's model, the records to learn from, the record to judge on, and the sensors.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,7 @@ use super::record_check::{Checked, RecordProblem, check};
 use super::run::Run;
 use super::sensors::{SensorError, Sensors};
 use super::window::windows;
+use crate::component::closest;
 use crate::files::record::{Missing, Record, RecordError};
 
 /// Names of a case's files in its directory.
@@ -104,10 +106,12 @@ pub enum CaseError {
     #[error(transparent)]
     Problem(#[from] RecordProblem),
     /// A name that the catalogue does not have.
-    #[error("--without {name}: the catalogue has no such effect; it has {known}")]
+    #[error("{name}: the catalogue has no such effect{hint}; it has {known}")]
     UnknownEffect {
         /// The name.
         name: String,
+        /// The name that is probably meant, as a question; empty where none is near.
+        hint: String,
         /// All names.
         known: String,
     },
@@ -119,9 +123,19 @@ pub enum CaseError {
         /// Length of what can be used [s].
         seconds: f64,
     },
+    /// Two records to learn from are one measurement.
+    #[error(
+        "{record}: is the same measurement as {earlier}, or a part of it; counted twice it would make every interval too narrow. Give it once"
+    )]
+    Twice {
+        /// File of the later record.
+        record: String,
+        /// File of the earlier one.
+        earlier: String,
+    },
     /// The record to judge on was learned from.
     #[error(
-        "{held_out}: is the same measurement as {record}; judge on a record that the model has not seen"
+        "{held_out}: is the same measurement as {record}, or a part of it; judge on a record that the model has not seen"
     )]
     SameRecord {
         /// File of the record to judge on.
@@ -154,7 +168,13 @@ impl CaseArguments {
         let mut records = Vec::new();
         for path in &record_paths {
             let record = Record::read_with(path, Missing::KeepAsNan)?;
-            let checked = check(&record, &model.rig)?;
+            if let Some(earlier) = records.iter().find(|earlier| same(earlier, &record)) {
+                return Err(CaseError::Twice {
+                    record: record.source().to_owned(),
+                    earlier: earlier.source().to_owned(),
+                });
+            }
+            let checked = check(&record, &model.rig, &sensors)?;
             runs.extend(stretches(&checked, &sensors));
             notes.extend(checked.notes);
             records.push(record);
@@ -174,7 +194,7 @@ impl CaseArguments {
                 record: record.source().to_owned(),
             });
         }
-        let checked = check(&held_out_record, &model.rig)?;
+        let checked = check(&held_out_record, &model.rig, &sensors)?;
         let held_out = stretches(&checked, &sensors);
         notes.extend(checked.notes);
         let name = match &self.case {
@@ -276,8 +296,12 @@ pub fn check_effect(name: &str) -> Result<(), CaseError> {
         return Ok(());
     }
     let known: Vec<&str> = CATALOGUE.iter().map(|entry| entry.name).collect();
+    let hint = closest(name, known.iter().copied())
+        .map(|near| format!(" (is `{near}` meant?)"))
+        .unwrap_or_default();
     Err(CaseError::UnknownEffect {
         name: name.to_owned(),
+        hint,
         known: known.join(", "),
     })
 }
@@ -326,19 +350,32 @@ fn stretches(checked: &Checked, sensors: &Sensors) -> Vec<Run> {
         .collect()
 }
 
-/// Whether two records are one measurement: more than half of their rows agree in all readings.
+/// Share of readings in common from which on two records are one measurement.
+const IN_COMMON: f64 = 0.2;
+
+/// Whether two records are one measurement, or parts of one: readings of the same moment agree to the last digit, and
+/// noise does not repeat. Rows at rest are left out, since without noise they are all alike.
 fn same(left: &Record, right: &Record) -> bool {
-    let columns = ["theta", "theta_dot", "theta3", "theta3_dot"];
-    let pairs: Option<Vec<(&[f64], &[f64])>> = columns
-        .iter()
-        .map(|name| Some((left.column(name)?, right.column(name)?)))
-        .collect();
-    let Some(pairs) = pairs else { return false };
-    let rows = left.len().min(right.len());
-    let equal = (0..rows)
-        .filter(|&row| pairs.iter().all(|(a, b)| a[row] == b[row]))
-        .count();
-    2 * equal > rows
+    let (left, right) = (readings(left), readings(right));
+    let (fewer, more) = if left.len() < right.len() {
+        (left, right)
+    } else {
+        (right, left)
+    };
+    let common = fewer.intersection(&more).count();
+    common as f64 > IN_COMMON * fewer.len() as f64
+}
+
+/// The different rows of readings with motion, bit by bit.
+fn readings(record: &Record) -> BTreeSet<[u64; 4]> {
+    let columns = ["theta", "theta_dot", "theta3", "theta3_dot"].map(|name| record.column(name));
+    let [Some(theta), Some(theta_dot), Some(theta3), Some(theta3_dot)] = columns else {
+        return BTreeSet::new();
+    };
+    (0..record.len())
+        .filter(|&row| theta_dot[row] != 0.0 && theta[row] != 0.0)
+        .map(|row| [theta[row], theta_dot[row], theta3[row], theta3_dot[row]].map(f64::to_bits))
+        .collect()
 }
 
 fn note_on_inputs(runs: &[Run]) -> Option<String> {

@@ -1,26 +1,26 @@
 //! `stickslip diagnose`, and its stages `locate`, `name`, `amend` and `show` alone on each other's files.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use anyhow::Context;
 use build_fmu::library::{self, Library};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use stickslip::plant::ModelFile;
 
 use super::amend;
 use super::case::{Case, CaseArguments, check_effect};
 use super::console::screen;
-use super::finding::{Finding, VerdictName};
+use super::finding::{self, Finding, VerdictName};
 use super::forced::fit_effects;
 use super::marginal::Disturbance;
 use super::naming::{self, forced_finding, located_finding};
+use super::progress::{Interruptible, Progress};
 use super::report::{self, Report};
 use super::residual_torque::residual_torques;
 use super::show::{Comparison, compare};
 use crate::cli::Outcome;
 use crate::files::atomic;
+use crate::files::record::Record;
 
 /// Arguments of `diagnose` and of its stages.
 #[derive(Debug, Args)]
@@ -45,33 +45,139 @@ pub struct AmendArguments {
     effect: Vec<String>,
 }
 
+/// What the stages of one command share.
+struct Session {
+    progress: Progress,
+    interruptible: Interruptible,
+    case: Case,
+    out: PathBuf,
+}
+
+impl Session {
+    /// Reads the case.
+    fn begin(arguments: &DiagnoseArguments) -> anyhow::Result<Self> {
+        let case = arguments.case.load()?;
+        for note in &case.notes {
+            eprintln!("note: {note}");
+        }
+        Ok(Self {
+            progress: Progress::new(),
+            interruptible: Interruptible::new(&arguments.out)?,
+            case,
+            out: arguments.out.clone(),
+        })
+    }
+
+    /// Writes a finding with the experiment it proposes, and takes away what later stages made of an earlier finding.
+    fn found(&self, finding: &mut Finding, experiment: Option<Record>) -> anyhow::Result<()> {
+        finding.seconds = self.progress.seconds();
+        self.interruptible.write(finding::FILE, || {
+            for name in [naming::EXPERIMENT_FILE, amend::FILE, report::FILE]
+                .into_iter()
+                .chain(amend::FMU_FILES)
+            {
+                remove(&self.out.join(name))?;
+            }
+            if let Some(inputs) = experiment {
+                inputs.write(&self.out.join(naming::EXPERIMENT_FILE))?;
+            }
+            Ok(finding.write(&self.out)?)
+        })
+    }
+
+    /// Which effect is missing.
+    fn name(&self) -> anyhow::Result<Finding> {
+        let (mut finding, experiment) =
+            naming::name(&self.case, &mut |what| self.progress.say(what))?;
+        self.found(&mut finding, experiment)?;
+        Ok(finding)
+    }
+
+    /// The amended model and its FMUs.
+    fn amend(&self, finding: &Finding, library: &Library) -> anyhow::Result<String> {
+        self.progress.say("building the amended FMUs");
+        let model = amend::amended_model(&self.case, finding)?;
+        let text = amend::text(&self.case, finding, &model)?;
+        self.interruptible
+            .write("the amended model with its FMUs", || {
+                Ok(amend::write(&self.out, &text, library)?)
+            })?;
+        Ok(text)
+    }
+
+    /// Before and after on the held-out record, and the report.
+    fn show(
+        &self,
+        finding: &mut Finding,
+        text: &str,
+        library: &Library,
+    ) -> anyhow::Result<Outcome> {
+        let (case, progress) = (&self.case, &self.progress);
+        progress.say("held-out record, through the FMUs");
+        let comparison = compared(case, finding, text, library)?;
+        finding.gap = Some(comparison.gap.clone());
+        finding.seconds = finding.seconds.max(progress.seconds());
+        progress.say("report");
+        let training = case.training();
+        let amended = ModelFile::parse(text, amend::FILE)?;
+        let page = Report {
+            case,
+            finding,
+            comparison: &comparison,
+            residuals_before: &residual_torques(&training, &case.model.rig),
+            residuals_after: &residual_torques(&training, &amended.rig),
+            residuals_held_out: &residual_torques(&comparison.data, &amended.rig),
+        }
+        .to_html();
+        self.interruptible.write(report::FILE, || {
+            finding.write(&self.out)?;
+            Ok(atomic::write_file(
+                &self.out.join(report::FILE),
+                page.as_bytes(),
+            )?)
+        })?;
+        Ok(open_or_done(finding.is_settled()))
+    }
+
+    /// The answer on the screen.
+    fn answer(&self, finding: &Finding) {
+        self.progress.done();
+        print!("{}", screen(&self.case.name, finding));
+    }
+
+    /// The answer, and where all results are.
+    fn answer_with_files(&self, finding: &Finding) {
+        self.answer(finding);
+        println!(
+            "\n  {} shows it; beside it: {}, {}, {} ({:.1} s)",
+            self.out.join(report::FILE).display(),
+            finding::FILE,
+            amend::FILE,
+            amend::FMU_FILES.join(", "),
+            finding.seconds
+        );
+    }
+}
+
+fn remove(path: &Path) -> anyhow::Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(error)
+            .with_context(|| format!("{}: of an earlier run, cannot be removed", path.display())),
+        _ => Ok(()),
+    }
+}
+
 /// All stages in turn.
 ///
 /// # Errors
 /// Whatever is wrong with the input; the exit code is then 2.
 pub fn diagnose(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    let begun = Instant::now();
-    let progress = Progress::new();
-    let case = load(arguments)?;
     let library = library::find(arguments.library.as_deref())?;
-    let (mut finding, experiment) = naming::name(&case, &mut |what| progress.say(what))?;
-    if let Some(inputs) = experiment {
-        inputs.write(&arguments.out.join(naming::EXPERIMENT_FILE))?;
-    }
-    finding.seconds = begun.elapsed().as_secs_f64();
-    finding.write(&arguments.out)?;
-    let text = amended(&case, &finding, &arguments.out, &library, &progress)?;
-    let outcome = shown(
-        &case,
-        &mut finding,
-        &text,
-        &arguments.out,
-        &library,
-        &progress,
-        begun,
-    )?;
-    progress.done();
-    print_answer(&case, &finding, &arguments.out);
+    let session = Session::begin(arguments)?;
+    let mut finding = session.name()?;
+    let text = session.amend(&finding, &library)?;
+    let outcome = session.show(&mut finding, &text, &library)?;
+    session.answer_with_files(&finding);
     Ok(outcome)
 }
 
@@ -80,15 +186,11 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`].
 pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    let begun = Instant::now();
-    let progress = Progress::new();
-    let case = load(arguments)?;
-    let mut finding = located_finding(&case, &mut |what| progress.say(what))?;
-    finding.seconds = begun.elapsed().as_secs_f64();
-    finding.write(&arguments.out)?;
-    progress.done();
-    print!("{}", screen(&case.name, &finding));
-    Ok(open_or_done(finding.verdict == VerdictName::NothingMissing))
+    let session = Session::begin(arguments)?;
+    let mut finding = located_finding(&session.case, &mut |what| session.progress.say(what))?;
+    session.found(&mut finding, None)?;
+    session.answer(&finding);
+    Ok(open_or_done(finding.verdict != VerdictName::NotInCatalogue))
 }
 
 /// Which effect is missing.
@@ -96,17 +198,9 @@ pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`].
 pub fn name(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    let begun = Instant::now();
-    let progress = Progress::new();
-    let case = load(arguments)?;
-    let (mut finding, experiment) = naming::name(&case, &mut |what| progress.say(what))?;
-    if let Some(inputs) = experiment {
-        inputs.write(&arguments.out.join(naming::EXPERIMENT_FILE))?;
-    }
-    finding.seconds = begun.elapsed().as_secs_f64();
-    finding.write(&arguments.out)?;
-    progress.done();
-    print!("{}", screen(&case.name, &finding));
+    let session = Session::begin(arguments)?;
+    let finding = session.name()?;
+    session.answer(&finding);
     Ok(open_or_done(finding.verdict != VerdictName::NotInCatalogue))
 }
 
@@ -117,35 +211,28 @@ pub fn name(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
     let common = &arguments.common;
     for name in &arguments.effect {
-        check_effect(name).with_context(|| format!("--effect {name}"))?;
+        check_effect(name).context("--effect")?;
     }
-    let begun = Instant::now();
-    let progress = Progress::new();
-    let case = load(common)?;
     let library = library::find(common.library.as_deref())?;
+    let session = Session::begin(common)?;
     let finding = if arguments.effect.is_empty() {
         Finding::read(&common.out)?
     } else {
         let fit = fit_effects(
-            &case.training(),
-            &case.model,
+            &session.case.training(),
+            &session.case.model,
             &arguments.effect,
-            &mut |what| progress.say(what),
+            &mut |what| session.progress.say(what),
         )?;
-        let mut finding = forced_finding(
-            &case,
-            &arguments.effect,
-            &fit,
-            Finding::read(&common.out).ok(),
-        )?;
-        finding.seconds = begun.elapsed().as_secs_f64();
-        finding.write(&common.out)?;
+        let earlier = Finding::read(&common.out).ok();
+        let mut finding = forced_finding(&session.case, &arguments.effect, &fit, earlier)?;
+        session.found(&mut finding, None)?;
         finding
     };
-    amended(&case, &finding, &common.out, &library, &progress)?;
-    progress.done();
-    print!("{}", screen(&case.name, &finding));
-    println!("\n  written  {}", common.out.join(amend::FILE).display());
+    session.amend(&finding, &library)?;
+    session.answer(&finding);
+    println!("\n  written to {}", common.out.join(amend::FILE).display());
+    println!("  next: stickslip show, for before and after on the held-out record");
     Ok(Outcome::Done)
 }
 
@@ -154,10 +241,8 @@ pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`]; also where there is no finding or no amended model.
 pub fn show(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    let begun = Instant::now();
-    let progress = Progress::new();
-    let case = load(arguments)?;
     let library = library::find(arguments.library.as_deref())?;
+    let session = Session::begin(arguments)?;
     let mut finding = Finding::read(&arguments.out)?;
     let path = arguments.out.join(amend::FILE);
     let text = std::fs::read_to_string(&path).with_context(|| {
@@ -166,40 +251,9 @@ pub fn show(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
             path.display()
         )
     })?;
-    let outcome = shown(
-        &case,
-        &mut finding,
-        &text,
-        &arguments.out,
-        &library,
-        &progress,
-        begun,
-    )?;
-    progress.done();
-    print_answer(&case, &finding, &arguments.out);
+    let outcome = session.show(&mut finding, &text, &library)?;
+    session.answer_with_files(&finding);
     Ok(outcome)
-}
-
-fn load(arguments: &DiagnoseArguments) -> anyhow::Result<Case> {
-    let case = arguments.case.load()?;
-    for note in &case.notes {
-        eprintln!("note: {note}");
-    }
-    Ok(case)
-}
-
-fn amended(
-    case: &Case,
-    finding: &Finding,
-    out: &Path,
-    library: &Library,
-    progress: &Progress,
-) -> anyhow::Result<String> {
-    progress.say("building the amended FMUs");
-    let model = amend::amended_model(case, finding)?;
-    let text = amend::text(case, finding, &model)?;
-    amend::write(out, &text, library)?;
-    Ok(text)
 }
 
 /// The comparison of both models on the case's held-out record, from their texts.
@@ -228,72 +282,10 @@ pub fn compared(
     )?)
 }
 
-fn shown(
-    case: &Case,
-    finding: &mut Finding,
-    text: &str,
-    out: &Path,
-    library: &Library,
-    progress: &Progress,
-    begun: Instant,
-) -> anyhow::Result<Outcome> {
-    progress.say("held-out record, through the FMUs");
-    let comparison = compared(case, finding, text, library)?;
-    finding.gap = Some(comparison.gap.clone());
-    finding.seconds = finding.seconds.max(begun.elapsed().as_secs_f64());
-    finding.write(out)?;
-    progress.say("report");
-    let training = case.training();
-    let amended = ModelFile::parse(text, amend::FILE)?;
-    let page = Report {
-        case,
-        finding,
-        comparison: &comparison,
-        residuals_before: &residual_torques(&training, &case.model.rig),
-        residuals_after: &residual_torques(&training, &amended.rig),
-    }
-    .to_html();
-    atomic::write_file(&out.join(report::FILE), page.as_bytes())?;
-    Ok(open_or_done(finding.is_settled()))
-}
-
 fn open_or_done(settled: bool) -> Outcome {
     if settled {
         Outcome::Done
     } else {
         Outcome::CheckFailed
-    }
-}
-
-fn print_answer(case: &Case, finding: &Finding, out: &Path) {
-    print!("{}", screen(&case.name, finding));
-    println!(
-        "\n  written to {}: finding.json, {}, ReducedRig.fmi2.fmu, ReducedRig.fmi3.fmu, {} ({:.1} s)",
-        out.display(),
-        amend::FILE,
-        report::FILE,
-        finding.seconds
-    );
-}
-
-/// A line that says what is being done.
-struct Progress {
-    bar: ProgressBar,
-}
-
-impl Progress {
-    fn new() -> Self {
-        let bar = ProgressBar::new_spinner();
-        bar.set_style(ProgressStyle::default_spinner());
-        bar.enable_steady_tick(std::time::Duration::from_millis(200));
-        Self { bar }
-    }
-
-    fn say(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
-    }
-
-    fn done(&self) {
-        self.bar.finish_and_clear();
     }
 }

@@ -81,6 +81,7 @@ pub fn answer(finding: &Finding) -> Vec<String> {
     lines
 }
 
+/// An effect's name, what it is, and how probable it is.
 fn described(effect: &FoundEffect) -> String {
     let what = entry(&effect.name).map_or("", |entry| entry.description);
     let mut text = format!("{} ({what})", readable(&effect.name));
@@ -88,26 +89,34 @@ fn described(effect: &FoundEffect) -> String {
     if effect.probability > 0.0 {
         let _ = write!(text, ", probability {:.3}", effect.probability);
     }
-    for (symbol, value) in &effect.parameters {
-        let unit = if value.unit == "1" {
-            ""
-        } else {
-            value.unit.as_str()
-        };
-        let _ = match value.interval95 {
-            Some([low, high]) => {
-                write!(
-                    text,
-                    "; {symbol} = {} {unit} [{} … {}]",
-                    number(value.value),
-                    number(low),
-                    number(high)
-                )
-            }
-            None => write!(text, "; {symbol} = {} {unit}", number(value.value)),
-        };
+    text
+}
+
+/// The effects' numbers, a line for each.
+fn numbers(finding: &Finding) -> String {
+    let mut text = String::new();
+    for (symbol, value) in finding.effects.iter().flat_map(|effect| &effect.parameters) {
+        let interval = value.interval95.map_or("held".to_owned(), |[low, high]| {
+            format!("{} … {}", number(low), number(high))
+        });
+        let _ = writeln!(
+            text,
+            "    {symbol:22}{:>10} {:8} {interval}",
+            number(value.value),
+            shown_unit(&value.unit)
+        );
     }
     text
+}
+
+/// A unit for reading: nothing where there is none, products with a space.
+#[must_use]
+pub fn shown_unit(unit: &str) -> String {
+    if unit == "1" {
+        String::new()
+    } else {
+        unit.replace('.', " ")
+    }
 }
 
 /// The whole screen.
@@ -116,6 +125,14 @@ pub fn screen(case: &str, finding: &Finding) -> String {
     let mut text = format!("{case}\n\n");
     for line in answer(finding) {
         let _ = writeln!(text, "  {line}");
+    }
+    let numbers = numbers(finding);
+    if !numbers.is_empty() {
+        let _ = write!(
+            text,
+            "\n  {:24}{:>10} {:8} 95 % interval\n{numbers}",
+            "what was added", "", "unit"
+        );
     }
     let places: Vec<String> = finding
         .structure

@@ -242,6 +242,123 @@ fn complementary_error(x: f64) -> f64 {
 mod tests {
     use super::*;
 
+    use std::path::Path;
+    use std::sync::Arc;
+
+    use stickslip::plant::ModelFile;
+
+    use crate::diagnose::decide::{fit_base, refit_with};
+    use crate::diagnose::run::CHANNELS;
+
+    fn data(run: Run, rig: &Rig<f64>, sensors: &Sensors) -> Data {
+        let back_emf = rig.gearbox.ratio * rig.motor.back_emf_constant;
+        Data {
+            windows: windows(0, &run, back_emf, rig.motor.resistance),
+            runs: Arc::new(vec![run]),
+            deviations: sensors.deviations(),
+        }
+    }
+
+    /// Irregular numbers of mean 0 and deviation 1: sums of twelve uniform ones.
+    fn noise(state: &mut u64) -> f64 {
+        let mut uniform = || {
+            *state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (*state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+
+    fn noisy(run: &Run, sensors: &Sensors, seed: u64) -> Run {
+        let mut run = run.clone();
+        let mut state = seed;
+        for channel in 0..CHANNELS {
+            let deviation = sensors.deviations()[channel];
+            for reading in &mut run.readings[channel] {
+                *reading += deviation * noise(&mut state);
+            }
+        }
+        run
+    }
+
+    /// Sensors so bad that the experiment does not decide with certainty.
+    fn bad_sensors() -> Sensors {
+        let good = Sensors::default();
+        let factor = std::env::var("FACTOR").map_or(12.0, |f| f.parse().unwrap());
+        Sensors {
+            disc_encoder_step: factor * good.disc_encoder_step,
+            gear_encoder_step: factor * good.gear_encoder_step,
+            disc_velocity_noise: factor * good.disc_velocity_noise,
+            gear_velocity_noise: factor * good.gear_velocity_noise,
+            load_cell_noise: good.load_cell_noise,
+        }
+    }
+
+    #[test]
+    fn the_proposed_experiment_decides_as_often_as_it_says() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/unbalance/model.toml");
+        let believed = std::fs::read_to_string(path).unwrap();
+        let truth = format!(
+            "{believed}\n[viscous_drag]\ncoefficient = {}\n",
+            std::env::var("COEF").unwrap_or("0.002".into())
+        );
+        let model = ModelFile::parse(&believed, "believed").unwrap();
+        let truth = ModelFile::parse(&truth, "truth").unwrap().rig;
+        let sensors = bad_sensors();
+        // Learned from one speed without brake: drag and dry friction of the bearings are the same there.
+        let steady = Inputs {
+            description: "one speed",
+            shape: |_| (4.0, 0.0),
+        };
+        let learned = noisy(&predicted(&truth, &steady).unwrap(), &sensors, 5);
+        let learned = data(learned, &model.rig, &sensors);
+        let base = fit_base(&learned, Hypothesis::base(&model));
+        let [drag, bearing] = ["viscous_drag", "bearing_friction"]
+            .map(|name| refit_with(&learned, &base, name).unwrap());
+        let apart = (drag.loss - bearing.loss).abs();
+        eprintln!("APART {apart}");
+
+        let (first, second) = (
+            drag.hypothesis.rig_at().unwrap(),
+            bearing.hypothesis.rig_at().unwrap(),
+        );
+        let proposal = propose(&first, std::slice::from_ref(&bearing), &sensors)
+            .unwrap()
+            .unwrap();
+        eprintln!("POWER {} {}", proposal.power, proposal.description);
+        assert!(
+            (0.5..0.98).contains(&proposal.power),
+            "a power of {} would test nothing",
+            proposal.power
+        );
+        let candidate = CANDIDATES
+            .iter()
+            .find(|candidate| candidate.description == proposal.description)
+            .unwrap();
+        let advantage = |run: Run| {
+            let data = data(run, &model.rig, &sensors);
+            let left = |fit: &Fit| remaining(&data, &fit.hypothesis, &Disturbance::NONE);
+            0.5 * (left(&bearing) - left(&drag))
+        };
+        let repeats = 16;
+        for (rig, sign) in [(&first, 1.0), (&second, -1.0)] {
+            let clean = predicted(rig, candidate).unwrap();
+            let decided = (0..repeats)
+                .filter(|seed| sign * advantage(noisy(&clean, &sensors, 100 + seed)) > DECISIVE)
+                .count();
+            let share = decided as f64 / repeats as f64;
+            eprintln!("SHARE {share}");
+            // Three standard deviations of a share of so few.
+            let scatter = (proposal.power * (1.0 - proposal.power) / repeats as f64).sqrt();
+            assert!(
+                (share - proposal.power).abs() < 3.0 * scatter + 0.05,
+                "decided {share}, said {}",
+                proposal.power
+            );
+        }
+    }
+
     #[test]
     fn power_grows_from_nothing_to_certainty() {
         assert_eq!(power(0.0), 0.0);

@@ -116,10 +116,14 @@ pub struct Located {
     pub coordinate: String,
     /// Equation whose torque is meant: `disc`, `shaft` or `motor`.
     pub equation: String,
+    /// For `frequency`, the band [Hz] that is meant: lowest and highest.
+    pub band: Option<[f64; 2]>,
     /// Gain in ln likelihood of a free function of the coordinate, on windows it was not fitted to.
     pub gain: f64,
     /// Interval that covers the gain with 95 % probability.
     pub interval95: [f64; 2],
+    /// Gain over its standard deviation.
+    pub significance: f64,
     /// Whether the gain is beyond what chance gives among all coordinates looked at.
     pub significant: bool,
 }

@@ -4,12 +4,13 @@ use stickslip::plant::Rig;
 
 use super::amend::{found_effects, refitted};
 use super::case::Case;
-use super::decide::{Diagnosis, Progress, STRUCTURE_GAIN, Verdict, diagnose, fit_base, refit_with};
+use super::decide::{Diagnosis, Progress, Verdict, diagnose, fit_base, refit_with};
 use super::experiment::propose;
-use super::finding::{Experiment, Finding, Located, Ranked, VerdictName};
+use super::finding::{Experiment, Finding, Ranked, VerdictName};
 use super::fit::{Data, Fit};
 use super::hypothesis::{Estimate, Hypothesis};
-use super::structure::{Structure, structures};
+use super::located::located;
+use super::structure::structures;
 use crate::files::record::Record;
 
 /// File of the inputs of a proposed experiment, beside the finding.
@@ -186,17 +187,4 @@ fn estimates(fit: &Fit, data: &Data) -> Vec<Estimate> {
     let covariance = fit.covariance(data);
     fit.hypothesis
         .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]))
-}
-
-fn located(structures: &[Structure]) -> Vec<Located> {
-    structures
-        .iter()
-        .map(|structure| Located {
-            coordinate: structure.coordinate.name().to_owned(),
-            equation: structure.coordinate.equation().to_owned(),
-            gain: structure.gain,
-            interval95: structure.interval95,
-            significant: structure.gain > STRUCTURE_GAIN && structure.interval95[0] > 0.0,
-        })
-        .collect()
 }

@@ -1,22 +1,23 @@
 //! What can be used of a record: stretches without holes, in the right units.
 
-use std::f64::consts::{PI, TAU};
-
 use stickslip::plant::Rig;
 use thiserror::Error;
 
+use super::record_units::{check_angles, check_units};
+use super::sensors::Sensors;
 use crate::files::record::{Record, RecordError};
 
 /// Columns that a diagnosis needs, in this order.
 pub const COLUMNS: [&str; 6] = ["u", "N2", "theta", "theta_dot", "theta3", "theta3_dot"];
+/// How many of them, from the first, are inputs.
+const INPUTS: usize = 2;
 /// Shortest stretch that is used [s].
 const SHORTEST_STRETCH: f64 = 1.0;
 /// Longest sampling interval at which the motion can be followed [s].
 const LONGEST_INTERVAL: f64 = 0.05;
-/// How far the ratio of two scales may be off the one expected.
-const SCALE_TOLERANCE: f64 = 0.05;
-/// Number of samples over which an angle's change is compared with its velocity.
-const SPAN: usize = 10;
+/// Sampling interval towards which faster records are thinned out [s]: the engine's time grows with the samples, and the
+/// motion has nothing faster to show.
+const THINNED_INTERVAL: f64 = 0.01;
 
 /// Why a record cannot be used.
 #[derive(Debug, Error)]
@@ -97,14 +98,38 @@ pub enum RecordProblem {
         guess: String,
     },
     /// The normal force is not of a size that the rig has.
-    #[error("{file}: column `N2` reaches {largest}; is it in {unit}? It must be in N")]
+    #[error("{file}: column `N2` has the mean {mean:.4}; {guess}")]
     Force {
         /// The record.
         file: String,
-        /// Largest value.
-        largest: f64,
-        /// Unit that is more likely.
-        unit: &'static str,
+        /// Its mean.
+        mean: f64,
+        /// Which unit that would be, as a question.
+        guess: &'static str,
+    },
+    /// Disc and gearbox output, at the ends of one shaft, turn differently far.
+    #[error(
+        "{file}: `theta3` goes {ratio:.3} times as far as `theta` at the other end of the shaft; {guess}"
+    )]
+    Shaft {
+        /// The record.
+        file: String,
+        /// Way of the gearbox output over that of the disc.
+        ratio: f64,
+        /// Which unit that would be, as a question.
+        guess: &'static str,
+    },
+    /// An angle stands still while its velocity does not, or the other way round.
+    #[error(
+        "{file}: column `{still}` does not change while `{moving}` says that it should; is its sensor connected?"
+    )]
+    Dead {
+        /// The record.
+        file: String,
+        /// The column that stands still.
+        still: &'static str,
+        /// The one that moves.
+        moving: &'static str,
     },
 }
 
@@ -132,7 +157,7 @@ pub struct Checked {
 ///
 /// # Errors
 /// [`RecordProblem`] where a column is missing, nothing moves, it is too short or coarse, or units do not fit.
-pub fn check(record: &Record, rig: &Rig<f64>) -> Result<Checked, RecordProblem> {
+pub fn check(record: &Record, rig: &Rig<f64>, sensors: &Sensors) -> Result<Checked, RecordProblem> {
     let file = record.source().to_owned();
     let mut notes = Vec::new();
     for name in COLUMNS {
@@ -147,15 +172,48 @@ pub fn check(record: &Record, rig: &Rig<f64>) -> Result<Checked, RecordProblem> 
     }
     let stretches = stretches(record, &mut notes)?;
     let interval = record.median_step();
-    units(&file, &stretches, rig)?;
+    check_units(&file, &stretches, rig, sensors)?;
     if interval > LONGEST_INTERVAL {
         return Err(RecordProblem::Coarse { file, interval });
     }
+    let every = (THINNED_INTERVAL / interval * (1.0 + 1e-6)) as usize;
+    let stretches = if every > 1 {
+        notes.push(format!(
+            "{file}: is sampled every {:.3} ms; every {every}th sample is used, with the inputs' means between them",
+            1e3 * interval
+        ));
+        stretches.iter().map(|s| thinned(s, every)).collect()
+    } else {
+        stretches
+    };
     Ok(Checked {
         name: file,
         stretches,
         notes,
     })
+}
+
+/// Every `every`th sample. Inputs are held from one sample to the next, so each of those kept stands for the mean until
+/// the following one; readings are taken as they are, which keeps their noise what `sensors.toml` says.
+fn thinned(stretch: &Stretch, every: usize) -> Stretch {
+    let pick = |series: &[f64]| series.iter().step_by(every).copied().collect::<Vec<f64>>();
+    let mean = |series: &[f64]| {
+        series
+            .chunks(every)
+            .map(|chunk| chunk.iter().sum::<f64>() / chunk.len() as f64)
+            .collect::<Vec<f64>>()
+    };
+    Stretch {
+        time: pick(&stretch.time),
+        columns: std::array::from_fn(|c| {
+            let series = &stretch.columns[c];
+            if c < INPUTS {
+                mean(series)
+            } else {
+                pick(series)
+            }
+        }),
+    }
 }
 
 fn stretches(record: &Record, notes: &mut Vec<String>) -> Result<Vec<Stretch>, RecordProblem> {
@@ -176,207 +234,66 @@ fn stretches(record: &Record, notes: &mut Vec<String>) -> Result<Vec<Stretch>, R
             _ => pieces.push((row, row)),
         }
     }
-    let length = |(from, to): (usize, usize)| record.time()[to] - record.time()[from];
-    let longest = pieces
-        .iter()
-        .map(|piece| length(*piece))
-        .fold(0.0, f64::max);
+    let stretch = |&(from, to): &(usize, usize)| Stretch {
+        time: record.time()[from..=to].to_vec(),
+        columns: std::array::from_fn(|c| columns[c][from..=to].to_vec()),
+    };
+    let length = |&(from, to): &(usize, usize)| record.time()[to] - record.time()[from];
     let used: Vec<(usize, usize)> = pieces
         .iter()
         .copied()
-        .filter(|piece| length(*piece) >= SHORTEST_STRETCH)
+        .filter(|piece| length(piece) >= SHORTEST_STRETCH)
         .collect();
     if used.is_empty() {
+        // Time in another unit may be all that makes it short.
+        let all: Vec<Stretch> = pieces.iter().map(stretch).collect();
+        check_angles(record.source(), &all)?;
         return Err(RecordProblem::TooShort {
             file: record.source().to_owned(),
-            seconds: longest,
+            seconds: pieces.iter().map(length).fold(0.0, f64::max),
         });
     }
     if pieces.len() > 1 || used[0] != (0, record.len() - 1) {
-        let rows: usize = used.iter().map(|(from, to)| to - from + 1).sum();
         notes.push(format!(
-            "{}: has holes; {} stretches with {rows} of {} samples are used",
+            "{}: has holes; {} with {:.2} of {:.2} s used",
             record.source(),
-            used.len(),
-            record.len()
+            if used.len() == 1 {
+                "one stretch".to_owned()
+            } else {
+                format!("{} stretches", used.len())
+            },
+            used.iter().map(length).sum::<f64>(),
+            length(&(0, record.len() - 1))
         ));
     }
-    Ok(used
-        .into_iter()
-        .map(|(from, to)| Stretch {
-            time: record.time()[from..=to].to_vec(),
-            columns: std::array::from_fn(|c| columns[c][from..=to].to_vec()),
-        })
-        .collect())
+    Ok(used.iter().map(stretch).collect())
 }
 
-fn units(file: &str, stretches: &[Stretch], rig: &Rig<f64>) -> Result<(), RecordProblem> {
-    for (column, rate, angle_at, rate_at) in
-        [("theta", "theta_dot", 2, 3), ("theta3", "theta3_dot", 4, 5)]
-    {
-        let Some(ratio) = scale_ratio(stretches, angle_at, rate_at) else {
-            continue;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_readings_and_the_inputs_impulse() {
+        let count = 1001;
+        let time: Vec<f64> = (0..count).map(|j| 1e-3 * f64::from(j)).collect();
+        let column = |c: i32| (0..count).map(|j| f64::from(c * 10_000 + j)).collect();
+        let stretch = Stretch {
+            time,
+            columns: [
+                column(0),
+                column(1),
+                column(2),
+                column(3),
+                column(4),
+                column(5),
+            ],
         };
-        if (ratio - 1.0).abs() <= SCALE_TOLERANCE {
-            continue;
-        }
-        if let Some(time) = wrap(stretches, angle_at) {
-            return Err(RecordProblem::Wrapped {
-                file: file.to_owned(),
-                column,
-                time,
-            });
-        }
-        let guess = guess(ratio, column, rate);
-        return Err(RecordProblem::Units {
-            file: file.to_owned(),
-            column,
-            rate,
-            ratio,
-            guess,
-        });
+        let thin = thinned(&stretch, 10);
+        assert_eq!(thin.time.len(), 101);
+        assert_eq!(thin.time[3], stretch.time[30]);
+        assert_eq!(thin.columns[2][3], stretch.columns[2][30]);
+        // The mean of samples 30 … 39.
+        assert_eq!(thin.columns[0][3], 34.5);
     }
-    let mean = |at: usize| {
-        let count: usize = stretches.iter().map(|s| s.time.len()).sum();
-        stretches
-            .iter()
-            .flat_map(|s| s.columns[at].iter())
-            .map(|v| v.abs())
-            .sum::<f64>()
-            / count as f64
-    };
-    let (voltage, found) = (mean(0), mean(5));
-    if found < 1e-3 && mean(3) < 0.06 {
-        return Err(RecordProblem::NoMotion {
-            file: file.to_owned(),
-        });
-    }
-    let possible = voltage / (rig.gearbox.ratio * rig.motor.back_emf_constant);
-    let share = found / possible;
-    // A loaded motor turns more slowly than its back-EMF allows, never much faster; a blocked one is no matter of units.
-    let guess = if share > 300.0 {
-        Some(
-            "is u in kV, or are the angles in degrees and u in another unit? They must be V and rad",
-        )
-    } else if share > 3.0 {
-        Some("are all angles in degrees? They must be in rad and rad/s, u in V")
-    } else if share < 0.005 {
-        Some("is u in mV? It must be in V")
-    } else {
-        None
-    };
-    if let Some(guess) = guess {
-        return Err(RecordProblem::Speed {
-            file: file.to_owned(),
-            voltage,
-            possible,
-            found,
-            guess: guess.to_owned(),
-        });
-    }
-    let largest = stretches
-        .iter()
-        .flat_map(|s| s.columns[1].iter())
-        .fold(0.0_f64, |a, b| a.max(b.abs()));
-    if largest > 5000.0 {
-        return Err(RecordProblem::Force {
-            file: file.to_owned(),
-            largest,
-            unit: "mN or g",
-        });
-    }
-    Ok(())
-}
-
-/// Change of the angle over the integral of its velocity, by least squares over spans; `None` where nothing moves.
-fn scale_ratio(stretches: &[Stretch], angle: usize, rate: usize) -> Option<f64> {
-    let (mut cross, mut square) = (0.0, 0.0);
-    for stretch in stretches {
-        let (time, theta, omega) = (
-            &stretch.time,
-            &stretch.columns[angle],
-            &stretch.columns[rate],
-        );
-        let mut row = 0;
-        while row + SPAN < time.len() {
-            let integral: f64 = (row..row + SPAN)
-                .map(|j| 0.5 * (omega[j] + omega[j + 1]) * (time[j + 1] - time[j]))
-                .sum();
-            cross += integral * (theta[row + SPAN] - theta[row]);
-            square += integral * integral;
-            row += SPAN;
-        }
-    }
-    // Tachometer noise alone adds up to far less than a tenth of a turn in all.
-    (square > 1e-3 && cross != 0.0).then(|| cross / square)
-}
-
-fn wrap(stretches: &[Stretch], angle: usize) -> Option<f64> {
-    stretches.iter().find_map(|stretch| {
-        let theta = &stretch.columns[angle];
-        let row = (1..theta.len()).find(|&j| {
-            let jump = (theta[j] - theta[j - 1]).abs();
-            (jump - TAU).abs() < 0.7 || (jump - 360.0).abs() < 40.0
-        })?;
-        Some(stretch.time[row])
-    })
-}
-
-/// Which units would explain the ratio.
-fn guess(ratio: f64, angle: &str, rate: &str) -> String {
-    let known = [
-        (
-            PI / 30.0,
-            format!("is `{rate}` in rpm? It must be in rad/s"),
-        ),
-        (
-            PI / 180.0,
-            format!("is `{rate}` in degrees per second? It must be in rad/s"),
-        ),
-        (
-            TAU,
-            format!("is `{rate}` in turns per second? It must be in rad/s"),
-        ),
-        (
-            180.0 / PI,
-            format!("is `{angle}` in degrees? It must be in rad"),
-        ),
-        (
-            1.0 / TAU,
-            format!("is `{angle}` in turns? It must be in rad"),
-        ),
-        (
-            6.0,
-            format!("is `{angle}` in degrees and `{rate}` in rpm? They must be in rad and rad/s"),
-        ),
-        (
-            1.0 / 60.0,
-            format!("is `{angle}` in turns and `{rate}` in rpm? They must be in rad and rad/s"),
-        ),
-        (1e-3, "is `time` in ms? It must be in s".to_owned()),
-        (
-            8.0,
-            "is it on the motor's side of the gearbox? It must be at the gearbox output".to_owned(),
-        ),
-        (
-            1.0 / 8.0,
-            format!(
-                "is `{rate}` on the motor's side of the gearbox? It must be at the gearbox output"
-            ),
-        ),
-        (
-            -1.0,
-            "have they opposite signs? Both must count forward".to_owned(),
-        ),
-    ];
-    known
-        .into_iter()
-        .filter(|(factor, _)| factor * ratio > 0.0)
-        .map(|(factor, text)| ((ratio / factor).ln().abs(), text))
-        .filter(|(distance, _)| *distance < SCALE_TOLERANCE)
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or_else(
-            || "which units are they in? They must be rad and rad/s".to_owned(),
-            |(_, text)| text,
-        )
 }

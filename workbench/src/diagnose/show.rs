@@ -10,7 +10,7 @@ use std::path::Path;
 use build_fmu::build::{BuildError, Source};
 use build_fmu::library::Library;
 use build_fmu::platform::FmiVersion;
-use stickslip::plant::{ModelFile, Rig, RigState};
+use stickslip::plant::{ModelFile, Rig, RigState, index};
 use thiserror::Error;
 
 use super::case::Case;
@@ -86,8 +86,8 @@ pub fn compare(
     work: &Path,
 ) -> Result<Comparison, ShowError> {
     let data = case.judging();
-    let starts_before = best_starts(&data, &case.model.rig);
-    let starts_after = best_starts(&data, &amended.rig);
+    let starts_before = held_at_rest(&data, best_starts(&data, &case.model.rig));
+    let starts_after = held_at_rest(&data, best_starts(&data, &amended.rig));
     let mut native_before = Native::from_text(&case.model_text, "the analyst's model")?;
     let mut native_after = Native::from_text(amended_text, "the amended model")?;
     let delays = [delay(&case.model.rig), delay(&amended.rig)];
@@ -177,6 +177,16 @@ pub fn compare(
         },
         data,
     })
+}
+
+/// The starts with a disc that sticks exactly at rest: a law with branches takes the slightest velocity for a slip.
+fn held_at_rest(data: &Data, mut starts: Starts) -> Starts {
+    for (state, window) in starts.states.iter_mut().zip(&data.windows) {
+        if window.anchor[index::OMEGA] == 0.0 {
+            state[index::OMEGA] = 0.0;
+        }
+    }
+    starts
 }
 
 fn delay(rig: &Rig<f64>) -> f64 {

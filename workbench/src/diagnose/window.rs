@@ -71,12 +71,7 @@ fn window(
     resistance: f64,
 ) -> Window {
     let mut anchor = [0.0; STATES];
-    if first == 0
-        && run.readings[1][..3.min(run.len())]
-            .iter()
-            .all(|w| w.abs() < 0.3)
-    {
-        // Every run starts at rest with angles zero.
+    if first == 0 && starts_at_rest(run) {
         let tiny = 1e-9;
         return Window {
             run: run_index,
@@ -105,6 +100,16 @@ fn window(
         acceleration,
         deviations: [0.5, disc_velocity, 0.1, 0.3, 2.0, 0.05],
     }
+}
+
+/// Whether a run starts at rest with angles zero, as every record does; a stretch after a hole has turned on.
+fn starts_at_rest(run: &Run) -> bool {
+    let begin = 3.min(run.len());
+    let slow = run.readings[1][..begin].iter().all(|w| w.abs() < 0.3);
+    let at_zero = [0, 2]
+        .iter()
+        .all(|&angle| run.readings[angle][0].abs() < 0.02);
+    slow && at_zero
 }
 
 /// Angle, velocity and acceleration at a sample from the readings around it: the angles less the course that the
@@ -149,5 +154,36 @@ fn motion(run: &Run, at: usize) -> Motion {
         Motion::Sliding
     } else {
         Motion::Unclear
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn resting(angle: f64) -> Run {
+        let samples = 200;
+        Run {
+            name: "rest".to_owned(),
+            time: (0..samples).map(|j| 0.01 * f64::from(j)).collect(),
+            voltage: vec![0.0; 200],
+            normal_force: vec![30.0; 200],
+            readings: [
+                vec![angle; 200],
+                vec![0.0; 200],
+                vec![angle; 200],
+                vec![0.0; 200],
+            ],
+        }
+    }
+
+    #[test]
+    fn a_stretch_after_a_hole_starts_where_the_disc_is() {
+        let from_zero = windows(0, &resting(0.0), 0.5, 0.3);
+        assert_eq!(from_zero[0].anchor[index::THETA], 0.0);
+        assert!(from_zero[0].deviations[0] < 1e-6);
+        let turned_on = windows(0, &resting(31.4), 0.5, 0.3);
+        assert!((turned_on[0].anchor[index::THETA] - 31.4).abs() < 1e-9);
+        assert!(turned_on[0].deviations[0] > 0.1);
     }
 }

@@ -96,59 +96,76 @@ impl Panel for Bars {
             .chain(self.limits.iter().map(|limit| limit.1))
             .chain([0.0]);
         let x = self.axis.lay_out(values, (left, right));
-        for (value, label) in x.ticks(((right - left) / 80.0) as usize) {
-            let at = x.pixel(value);
-            svg.line(
-                (at, top),
-                (at, bottom),
-                Style {
-                    colour: GRID,
-                    dashes: None,
-                    width: 0.8,
-                },
-            );
-            svg.text((at, bottom + 15.0), Anchor::Middle, &label);
-        }
-        let pitch = (bottom - top) / self.bars.len().max(1) as f64;
-        for (index, bar) in self.bars.iter().enumerate() {
-            let middle = top + (index as f64 + 0.5) * pitch;
-            let (from, to) = (x.pixel(0.0), x.pixel(bar.value));
-            let colour = if bar.stressed {
-                Style::series(0).colour
-            } else {
-                Style::series(2).colour
-            };
-            if from.is_finite() && to.is_finite() {
-                svg.rectangle(
-                    from.min(to),
-                    middle - 0.32 * pitch,
-                    (to - from).abs(),
-                    0.64 * pitch,
-                    colour,
-                );
-            }
-            if let Some((lower, upper)) = bar.interval {
-                let (lower, upper) = (x.pixel(lower), x.pixel(upper));
-                // A white edge keeps the interval visible over a dark bar.
-                for (colour, width) in [("#ffffff", 3.6), ("#000000", 1.2)] {
-                    let line = Style {
-                        colour,
+        svg.ticks(|svg| {
+            for (value, label) in x.ticks(((right - left) / 80.0) as usize) {
+                let at = x.pixel(value);
+                svg.line(
+                    (at, top),
+                    (at, bottom),
+                    Style {
+                        colour: GRID,
                         dashes: None,
-                        width,
-                    };
-                    svg.line((lower, middle), (upper, middle), line);
-                    svg.line((lower, middle - 4.0), (lower, middle + 4.0), line);
-                    svg.line((upper, middle - 4.0), (upper, middle + 4.0), line);
+                        width: 0.8,
+                    },
+                );
+                svg.text((at, bottom + 15.0), Anchor::Middle, &label);
+            }
+        });
+        let pitch = (bottom - top) / self.bars.len().max(1) as f64;
+        let place = Area {
+            x: left,
+            y: top,
+            width: right - left,
+            height: bottom - top,
+        };
+        let bars = |svg: &mut Svg| {
+            for (index, bar) in self.bars.iter().enumerate() {
+                let middle = top + (index as f64 + 0.5) * pitch;
+                let (from, to) = (x.pixel(0.0), x.pixel(bar.value));
+                let colour = if bar.stressed {
+                    Style::series(0).colour
+                } else {
+                    Style::series(2).colour
+                };
+                if from.is_finite() && to.is_finite() {
+                    svg.rectangle(
+                        from.min(to),
+                        middle - 0.32 * pitch,
+                        (to - from).abs(),
+                        0.64 * pitch,
+                        colour,
+                    );
+                }
+                if let Some((lower, upper)) = bar.interval {
+                    let (lower, upper) = (x.pixel(lower), x.pixel(upper));
+                    // A white edge keeps the interval visible over a dark bar.
+                    for (colour, width) in [("#ffffff", 3.6), ("#000000", 1.2)] {
+                        let line = Style {
+                            colour,
+                            dashes: None,
+                            width,
+                        };
+                        svg.line((lower, middle), (upper, middle), line);
+                        svg.line((lower, middle - 4.0), (lower, middle + 4.0), line);
+                        svg.line((upper, middle - 4.0), (upper, middle + 4.0), line);
+                    }
                 }
             }
-            svg.text((left - 6.0, middle + 4.0), Anchor::End, &bar.name);
+            for (_, value) in &self.limits {
+                svg.line(
+                    (x.pixel(*value), top),
+                    (x.pixel(*value), bottom),
+                    Style::reference().wide(1.4),
+                );
+            }
+        };
+        match x.linear_ends() {
+            Some(ends) => svg.zoomable(place, ends, None, bars),
+            None => svg.clipped(place.x, place.y, place.width, place.height, bars),
         }
-        for (_, value) in &self.limits {
-            svg.line(
-                (x.pixel(*value), top),
-                (x.pixel(*value), bottom),
-                Style::reference().wide(1.4),
-            );
+        for (index, bar) in self.bars.iter().enumerate() {
+            let middle = top + (index as f64 + 0.5) * pitch;
+            svg.text((left - 6.0, middle + 4.0), Anchor::End, &bar.name);
         }
         svg.frame(left, top, right - left, bottom - top);
         svg.text(

@@ -163,11 +163,15 @@ impl Panel for Chart {
             .y_axis
             .lay_out(y_values.into_iter(), (plot.y + plot.height, plot.y));
         draw_axes(svg, plot, (&self.x_axis, &x), (&self.y_axis, &y));
-        svg.clipped(plot.x, plot.y, plot.width, plot.height, |svg| {
+        let marks = |svg: &mut Svg| {
             for mark in &self.marks {
                 mark.draw(svg, &x, &y, plot);
             }
-        });
+        };
+        match (x.linear_ends(), y.linear_ends()) {
+            (Some(x), Some(y)) => svg.zoomable(plot, x, Some(y), marks),
+            _ => svg.clipped(plot.x, plot.y, plot.width, plot.height, marks),
+        }
         svg.frame(plot.x, plot.y, plot.width, plot.height);
     }
 }
@@ -339,16 +343,18 @@ pub(super) fn draw_axes(svg: &mut Svg, plot: Area, x: (&Axis, &Layout), y: (&Axi
         width: 0.8,
     };
     let (right, bottom) = (plot.x + plot.width, plot.y + plot.height);
-    for (value, label) in x.1.ticks((plot.width / 80.0) as usize) {
-        let at = x.1.pixel(value);
-        svg.line((at, plot.y), (at, bottom), grid);
-        svg.text((at, bottom + 15.0), Anchor::Middle, &label);
-    }
-    for (value, label) in y.1.ticks((plot.height / 36.0) as usize) {
-        let at = y.1.pixel(value);
-        svg.line((plot.x, at), (right, at), grid);
-        svg.text((plot.x - 6.0, at + 4.0), Anchor::End, &label);
-    }
+    svg.ticks(|svg| {
+        for (value, label) in x.1.ticks((plot.width / 80.0) as usize) {
+            let at = x.1.pixel(value);
+            svg.line((at, plot.y), (at, bottom), grid);
+            svg.text((at, bottom + 15.0), Anchor::Middle, &label);
+        }
+        for (value, label) in y.1.ticks((plot.height / 36.0) as usize) {
+            let at = y.1.pixel(value);
+            svg.line((plot.x, at), (right, at), grid);
+            svg.text((plot.x - 6.0, at + 4.0), Anchor::End, &label);
+        }
+    });
     svg.text(
         (plot.x + plot.width / 2.0, bottom + 32.0),
         Anchor::Middle,

@@ -116,6 +116,11 @@ impl Layout {
         self.pixels.0 + self.share(value) * (self.pixels.1 - self.pixels.0)
     }
 
+    /// Values at the two ends of a linear axis.
+    pub(super) fn linear_ends(&self) -> Option<(f64, f64)> {
+        (self.scale == Scale::Linear).then_some((self.low, self.high))
+    }
+
     fn share(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::figure::Area;
 use super::style::{INK, Marker, Style, TEXT};
 
 /// Where the given point lies in a text.
@@ -221,6 +222,35 @@ impl Svg {
         let (x, y, width, height) = (short(x), short(y), short(width), short(height));
         self.put(format_args!(
             "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" viewBox=\"{x} {y} {width} {height}\" overflow=\"hidden\">"
+        ));
+        draw(self);
+        self.put(format_args!("</svg>"));
+    }
+
+    /// Draws grid, ticks and their labels with `draw`, as one group that a page can draw anew.
+    pub fn ticks(&mut self, draw: impl FnOnce(&mut Self)) {
+        self.put(format_args!("<g class=\"ticks\">"));
+        draw(self);
+        self.put(format_args!("</g>"));
+    }
+
+    /// As [`Svg::clipped`], for data over linear axes: the values at the left and right edge, and at the lower and upper one
+    /// where the vertical axis has values, tell a page how to zoom.
+    pub fn zoomable(
+        &mut self,
+        area: Area,
+        x: (f64, f64),
+        y: Option<(f64, f64)>,
+        draw: impl FnOnce(&mut Self),
+    ) {
+        let [left, top, width, height] = [area.x, area.y, area.width, area.height].map(short);
+        let vertical = y.map_or(String::new(), |(low, high)| {
+            format!(" data-y=\"{low} {high}\"")
+        });
+        self.put(format_args!(
+            "<svg class=\"data\" data-x=\"{} {}\"{vertical} x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" \
+             viewBox=\"{left} {top} {width} {height}\" preserveAspectRatio=\"none\" overflow=\"hidden\">",
+            x.0, x.1
         ));
         draw(self);
         self.put(format_args!("</svg>"));

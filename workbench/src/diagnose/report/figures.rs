@@ -18,7 +18,8 @@ const BINS: usize = 24;
 const SHOWN_CANDIDATES: usize = 12;
 /// Length of the stretch shown in the time series of windows [s].
 const SHOWN_TIME: f64 = 10.0;
-/// Scales of the phase-plane angle where no law states its own [rad/s], [rad/s²].
+/// Scales of the phase-plane angle [rad/s], [rad/s²]: the same for all models and for the measured motion, as in the search
+/// for structure.
 const ANGLE_SCALES: (f64, f64) = (6.0, 45.0);
 
 fn before() -> Style {
@@ -125,9 +126,12 @@ fn over(
         .horizontal("", 0.0, Style::reference())
         .line("before", &middle, &mean, before().wide(2.0))
         .line("after", &new_middle, &new_mean, after().wide(2.0))
+        // A bin between empty ones makes no line.
+        .points("", &middle, &mean, Marker::Dot, before().wide(0.5))
+        .points("", &new_middle, &new_mean, Marker::Dot, after().wide(0.5))
 }
 
-/// Middles and means of bins of equal width that hold at least three values.
+/// Middles and means of bins of equal width that hold at least three values; the line breaks over those that do not.
 fn binned(x: &[f64], y: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (low, high) = x.iter().fold((f64::MAX, f64::MIN), |(low, high), v| {
         (low.min(*v), high.max(*v))
@@ -144,8 +148,14 @@ fn binned(x: &[f64], y: &[f64]) -> (Vec<f64>, Vec<f64>) {
     }
     bins.iter()
         .enumerate()
-        .filter(|(_, (_, count))| *count >= 3)
-        .map(|(j, (sum, count))| (low + (j as f64 + 0.5) * width, sum / *count as f64))
+        .map(|(j, (sum, count))| {
+            let mean = if *count >= 3 {
+                sum / *count as f64
+            } else {
+                f64::NAN
+            };
+            (low + (j as f64 + 0.5) * width, mean)
+        })
         .unzip()
 }
 
@@ -260,8 +270,9 @@ fn joined(comparison: &Comparison, shown: &Shown) -> (Vec<f64>, Vec<f64>) {
     (time, values)
 }
 
-/// Phase portrait and friction characteristics on the held-out record.
-pub fn portraits(comparison: &Comparison) -> Figure {
+/// Phase portrait and friction characteristics on the held-out record; `measured` holds the amended model's residual
+/// torques there.
+pub fn portraits(comparison: &Comparison, measured: &[ResidualTorque]) -> Figure {
     let run = &comparison.data.runs[comparison.free_stretch];
     let settled = run.len() / 2;
     let twist = |channels: &[Vec<f64>; 4]| -> Vec<f64> {
@@ -287,6 +298,10 @@ pub fn portraits(comparison: &Comparison) -> Figure {
         Axis::new("T_f sign θ̇₂ [N m]"),
     )
     .title("friction torque over the phase-plane angle");
+    let found = measured_friction(measured);
+    let grey = Style::measured().wide(0.8);
+    velocity = velocity.points("measured", &found.speed, &found.friction, Marker::Dot, grey);
+    angle = angle.points("measured", &found.alpha, &found.along, Marker::Dot, grey);
     for (label, shown, style) in [
         ("before", &comparison.before, before()),
         ("after", &comparison.after, after()),
@@ -326,6 +341,20 @@ struct Characteristic {
     friction: Vec<f64>,
     alpha: Vec<f64>,
     along: Vec<f64>,
+}
+
+/// Friction torque that the records show where the disc slides: the model's less the torque that it lacks.
+fn measured_friction(residuals: &[ResidualTorque]) -> Characteristic {
+    let sliding = || residuals.iter().filter(|r| r.place.sliding);
+    let along = |r: &ResidualTorque| r.place.friction - r.place.speed.signum() * r.disc;
+    Characteristic {
+        speed: sliding().map(|r| r.place.speed).collect(),
+        friction: sliding()
+            .map(|r| r.place.speed.signum() * along(r))
+            .collect(),
+        alpha: sliding().map(|r| r.place.alpha).collect(),
+        along: sliding().map(along).collect(),
+    }
 }
 
 /// Friction torque wherever the disc slides in the restarted windows.

@@ -1,6 +1,7 @@
 //! `report.html`: one self-contained page with the answer on top, light, dark and printable.
 
 mod figures;
+mod markup;
 mod page;
 
 use crate::diagnose::case::Case;
@@ -23,6 +24,8 @@ pub struct Report<'a> {
     pub residuals_before: &'a [ResidualTorque],
     /// Residual torques of the amended model there.
     pub residuals_after: &'a [ResidualTorque],
+    /// Residual torques of the amended model on the held-out record.
+    pub residuals_held_out: &'a [ResidualTorque],
 }
 
 impl Report<'_> {

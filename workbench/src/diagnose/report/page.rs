@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
+use super::markup::{capital, escape, figure, table};
 use super::{Report, figures};
 use crate::diagnose::catalogue::{Entry, entry};
-use crate::diagnose::console::{answer, number, percent, readable};
-use crate::diagnose::finding::{Finding, Measures, ParameterValue, VerdictName};
+use crate::diagnose::console::{answer, number, percent, readable, shown_unit};
+use crate::diagnose::finding::{Finding, Located, Measures, ParameterValue, VerdictName};
 use crate::diagnose::show::LEAST_FLUCTUATION;
-use crate::plot::Figure;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("zoom.js");
@@ -77,6 +77,7 @@ fn head(report: &Report<'_>) -> String {
     for line in answer(finding) {
         let _ = writeln!(text, "<p>{}</p>", escape(&line));
     }
+    text.push_str(&added(finding));
     text.push_str("</div>\n<div class=\"tiles\">\n");
     let mut tile = |value: String, what: &str| {
         let _ = writeln!(
@@ -103,41 +104,103 @@ fn head(report: &Report<'_>) -> String {
     text
 }
 
-fn disagreement(report: &Report<'_>) -> String {
-    let mut text = String::from("<h2>Where model and records disagree</h2>\n");
-    let significant: Vec<_> = report
-        .finding
-        .structure
+/// The numbers of the effects that were added.
+fn added(finding: &Finding) -> String {
+    let rows: Vec<Vec<String>> = finding
+        .effects
         .iter()
-        .filter(|place| place.significant)
+        .flat_map(|effect| &effect.parameters)
+        .map(|(symbol, value)| {
+            vec![
+                symbol.clone(),
+                number(value.value),
+                interval(value),
+                shown_unit(&value.unit),
+                value.model_parameter.clone(),
+            ]
+        })
         .collect();
-    if significant.is_empty() {
-        text.push_str("<p>No coordinate shows structure beyond what chance gives.</p>\n");
-    } else {
-        text.push_str(
-            "<p>A free residual torque over one coordinate after the other, judged on windows it was not fitted to; \
-             strongest first.</p>\n<table><tr><th>coordinate</th><th>equation</th><th class=\"n\">gain</th>\
-             <th class=\"n\">95 % interval</th></tr>\n",
-        );
-        for place in significant {
-            let _ = writeln!(
-                text,
-                "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{} … {}</td></tr>",
-                escape(&readable(&place.coordinate)),
-                escape(&place.equation),
-                number(place.gain),
-                number(place.interval95[0]),
-                number(place.interval95[1])
-            );
-        }
-        text.push_str("</table>\n");
+    if rows.is_empty() {
+        return String::new();
+    }
+    table(
+        &[
+            ("added", false),
+            ("value", true),
+            ("95 % interval", true),
+            ("unit", false),
+            ("in model.amended.toml", false),
+        ],
+        &rows,
+    )
+}
+
+fn interval(value: &ParameterValue) -> String {
+    value.interval95.map_or("held".to_owned(), |[low, high]| {
+        format!("{} … {}", number(low), number(high))
+    })
+}
+
+fn disagreement(report: &Report<'_>) -> String {
+    let finding = report.finding;
+    let mut text = String::from("<h2>Where model and records disagree</h2>\n");
+    text.push_str(&places(
+        &finding.structure,
+        "No coordinate shows structure beyond what chance gives.",
+        "A free residual torque over one coordinate after the other, judged on windows it was not fitted to; strongest first.",
+    ));
+    if !finding.structure_left.is_empty() {
+        text.push_str(&places(
+            &finding.structure_left,
+            "With the amended model no coordinate shows structure any more.",
+            "With the amended model there is still structure:",
+        ));
     }
     text.push_str(&figure(
         &figures::residuals(report.residuals_before, report.residuals_after),
         "The torque that would have to be added for the model to follow the records it learned from, in pieces of 0.05 s \
          while the disc slides. Dots: single pieces before. Lines: means of bins before and after.",
     ));
+    text.push_str(
+        "<p class=\"hint\">Plots zoom into a rectangle drawn with the mouse, or about the pointer with Ctrl and the wheel; \
+         Shift and dragging moves them, a double click shows one whole again, Escape all.</p>\n",
+    );
     text
+}
+
+/// The places with significant structure as a table, under `some`; or `none`.
+fn places(all: &[Located], none: &str, some: &str) -> String {
+    let rows: Vec<Vec<String>> = all
+        .iter()
+        .filter(|place| place.significant)
+        .map(|place| {
+            let band = place.band.map_or(String::new(), |[low, high]| {
+                format!(", {low:.2} … {high:.2} Hz")
+            });
+            vec![
+                readable(&place.coordinate) + &band,
+                place.equation.clone(),
+                number(place.gain),
+                format!(
+                    "{} … {}",
+                    number(place.interval95[0]),
+                    number(place.interval95[1])
+                ),
+                format!("{:.1} σ", place.significance),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return format!("<p>{}</p>\n", escape(none));
+    }
+    let columns = [
+        ("coordinate", false),
+        ("torque on", false),
+        ("gain in ln likelihood", true),
+        ("95 % interval", true),
+        ("significance", true),
+    ];
+    format!("<p>{}</p>\n{}", escape(some), table(&columns, &rows))
 }
 
 fn ranking(finding: &Finding) -> String {
@@ -158,33 +221,76 @@ fn before_and_after(report: &Report<'_>) -> String {
     let mut text = String::from("<h2>Before and after on the held-out record</h2>\n");
     if let Some(gap) = &report.finding.gap {
         let (native, fmu, free) = (gap.held_out, gap.through_fmu, gap.free_run);
-        let _ = write!(
+        let closed = |closed: Option<f64>| closed.map_or("no gap".to_owned(), percent);
+        let row = |label: &str, cells: [String; 4]| {
+            let mut row = vec![label.to_owned()];
+            row.extend(cells);
+            row
+        };
+        text.push_str(&table(
+            &[
+                ("restarted windows", false),
+                ("before", true),
+                ("after", true),
+                ("noise floor", true),
+                ("closed", true),
+            ],
+            &[
+                row(
+                    "native",
+                    [
+                        number(native.before),
+                        number(native.after),
+                        number(native.noise_floor),
+                        closed(native.closed),
+                    ],
+                ),
+                row(
+                    "through the FMUs, FMI 3.0",
+                    [
+                        number(fmu.fmi3.before),
+                        number(fmu.fmi3.after),
+                        number(fmu.fmi3.noise_floor),
+                        closed(fmu.fmi3.closed),
+                    ],
+                ),
+                row(
+                    "through the FMUs, FMI 2.0",
+                    [
+                        number(fmu.fmi2_before),
+                        number(fmu.fmi2_after),
+                        String::new(),
+                        String::new(),
+                    ],
+                ),
+            ],
+        ));
+        text.push_str(&table(
+            &[
+                ("free run, velocity of the disc", false),
+                ("RMSE [rad/s]", true),
+                ("RMSE/ω_ref", true),
+                ("PC", true),
+                ("APL", true),
+            ],
+            &[
+                row("before", measures(&free.before)),
+                row("after", measures(&free.after)),
+                row("after, through the FMU", measures(&free.after_through_fmu)),
+            ],
+        ));
+        let aside = if gap.windows_left_aside > 0 {
+            format!(
+                " {} of {} windows are left aside: one of the models cannot run through them.",
+                gap.windows_left_aside, gap.windows
+            )
+        } else {
+            String::new()
+        };
+        let _ = writeln!(
             text,
-            "<table><tr><th>restarted windows</th><th class=\"n\">before</th><th class=\"n\">after</th>\
-             <th class=\"n\">noise floor</th><th class=\"n\">closed</th></tr>\n\
-             <tr><td>native</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n\
-             <tr><td>FMU, FMI 3.0</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n\
-             <tr><td>FMU, FMI 2.0</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\"></td><td class=\"n\"></td></tr></table>\n",
-            number(native.before),
-            number(native.after),
-            number(native.noise_floor),
-            native.closed.map_or("no gap".to_owned(), percent),
-            number(fmu.fmi3.before),
-            number(fmu.fmi3.after),
-            number(fmu.fmi3.noise_floor),
-            fmu.fmi3.closed.map_or("no gap".to_owned(), percent),
-            number(fmu.fmi2_before),
-            number(fmu.fmi2_after),
-        );
-        let _ = write!(
-            text,
-            "<table><tr><th>free run, velocity of the disc</th><th class=\"n\">RMSE [rad/s]</th>\
-             <th class=\"n\">RMSE/ω_ref</th><th class=\"n\">PC</th><th class=\"n\">APL</th></tr>\n{}{}{}</table>\n\
-             <p class=\"hint\">ω_ref = {} rad/s, the mean speed of the gearbox output. A limit cycle that is a little out of \
-             phase has a large free-run error however right the model is: the windows are what judges.</p>\n",
-            measures("before", &free.before),
-            measures("after", &free.after),
-            measures("after, through the FMU", &free.after_through_fmu),
+            "<p class=\"hint\">ω_ref = {} rad/s, the mean speed of the gearbox output. A limit cycle that is a little out of \
+             phase has a large free-run error however right the model is: the windows are what judges.{aside}</p>",
             number(free.reference_speed)
         );
     }
@@ -193,8 +299,10 @@ fn before_and_after(report: &Report<'_>) -> String {
         "Velocity of the disc: each window restarted from its own start, and one run from the record's start.",
     ));
     text.push_str(&figure(
-        &figures::portraits(report.comparison),
-        "Phase portrait, and the models' friction torque over velocity and over the phase-plane angle α.",
+        &figures::portraits(report.comparison, report.residuals_held_out),
+        "Phase portrait, and the friction torque over velocity and over the phase-plane angle α (with 6 rad/s and 45 rad/s² as \
+         its scales): of both models in the restarted windows, and as measured, in pieces of 0.05 s. Torques beside \
+         the contact's, such as an unbalance, are not in it.",
     ));
     text.push_str(&figure(
         &figures::spectra(report.comparison),
@@ -203,46 +311,48 @@ fn before_and_after(report: &Report<'_>) -> String {
     text
 }
 
-fn measures(label: &str, measures: &Measures) -> String {
-    let cell = |value: Option<f64>| value.map_or("–".to_owned(), number);
-    format!(
-        "<tr><td>{label}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
-        cell(measures.rmse),
-        cell(measures.nrmse),
-        cell(measures.pc),
-        cell(measures.apl)
-    )
+fn measures(measures: &Measures) -> [String; 4] {
+    [measures.rmse, measures.nrmse, measures.pc, measures.apl]
+        .map(|value| value.map_or("–".to_owned(), number))
 }
 
 fn parameters(report: &Report<'_>) -> String {
     let finding = report.finding;
-    let mut text = String::from(
-        "<h2>Parameters</h2>\n<table><tr><th>parameter</th><th class=\"n\">before</th><th class=\"n\">after</th>\
-         <th class=\"n\">95 % interval</th><th>unit</th></tr>\n",
-    );
     let effects = finding
         .effects
         .iter()
         .flat_map(|effect| effect.parameters.values());
-    for value in effects.chain(finding.parameters.values()) {
-        let before = report.case.model.rig.parameter(&value.model_parameter);
-        text.push_str(&parameter_row(value, before));
+    let rows: Vec<Vec<String>> = effects
+        .chain(finding.parameters.values())
+        .map(|value| {
+            let before = report.case.model.rig.parameter(&value.model_parameter);
+            let change = before
+                .filter(|before| *before != 0.0)
+                .map_or("–".to_owned(), |before| {
+                    format!("{:+.1} %", 100.0 * (value.value / before - 1.0))
+                });
+            vec![
+                value.model_parameter.clone(),
+                before.map_or("–".to_owned(), number),
+                number(value.value),
+                change,
+                interval(value),
+                shown_unit(&value.unit),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return "<h2>Parameters</h2>\n<p>All as they were.</p>\n".to_owned();
     }
-    text.push_str("</table>\n");
-    text
-}
-
-fn parameter_row(value: &ParameterValue, before: Option<f64>) -> String {
-    let interval = value.interval95.map_or("held".to_owned(), |[low, high]| {
-        format!("{} … {}", number(low), number(high))
-    });
-    format!(
-        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{interval}</td><td>{}</td></tr>\n",
-        escape(&value.model_parameter),
-        before.map_or("–".to_owned(), number),
-        number(value.value),
-        escape(&value.unit)
-    )
+    let columns = [
+        ("parameter", false),
+        ("before", true),
+        ("after", true),
+        ("change", true),
+        ("95 % interval", true),
+        ("unit", false),
+    ];
+    format!("<h2>Parameters</h2>\n{}", table(&columns, &rows))
 }
 
 fn floor(finding: &Finding) -> String {
@@ -310,9 +420,10 @@ fn usage() -> String {
      <p><code>ReducedRig.fmi2.fmu</code> and <code>ReducedRig.fmi3.fmu</code> beside this page are co-simulation FMUs of \
      <code>model.amended.toml</code>. Inputs are <code>u</code> [V] and <code>N2</code> [N]; all parameters of the model \
      file can be set. Any record with these columns drives them:</p>\n\
-     <pre>stickslip simulate ReducedRig.fmi3.fmu --input held-out.csv --out result\n\n\
-     # or in Python\nimport fmpy\nresult = fmpy.simulate_fmu('ReducedRig.fmi3.fmu', stop_time=20, output_interval=0.01,\n    \
-     start_values={'u': 3.0, 'N2': 40.0})</pre>\n"
+     <pre>stickslip simulate ReducedRig.fmi3.fmu --inputs held-out.csv --out result\n\n\
+     # or in Python\nimport fmpy\nrecord = fmpy.read_csv('held-out.csv')\n\
+     result = fmpy.simulate_fmu('ReducedRig.fmi3.fmu', input=record[['time', 'u', 'N2']],\n    \
+     stop_time=record['time'][-1], output_interval=0.01)</pre>\n"
         .to_owned()
 }
 
@@ -327,34 +438,8 @@ fn notes(finding: &Finding) -> String {
     }
     let _ = writeln!(
         text,
-        "<p class=\"hint\">Found in {} s. Pictures zoom with a double click (Shift for back) or Ctrl and the wheel, move \
-         when dragged, and go back with Escape.</p>",
+        "<p class=\"hint\">Found in {} s.</p>",
         number(finding.seconds)
     );
     text
-}
-
-fn figure(figure: &Figure, caption: &str) -> String {
-    // Inside HTML the namespace is known; naming it would look like a reference to elsewhere.
-    let svg = figure
-        .to_svg()
-        .replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1);
-    format!(
-        "<figure>\n{svg}<figcaption>{}</figcaption>\n</figure>\n",
-        escape(caption)
-    )
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }

@@ -1,0 +1,495 @@
+//! Records as they come from a bench: what cannot be used is refused in words that say what would be right, what can be
+//! used in part is used and said. Sampling that is faster or slower than usual must not change the answer.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests fail by panicking, like the tests"
+)]
+
+mod simulated;
+
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+use std::sync::OnceLock;
+use std::time::Instant;
+
+use simulated::{Inputs, model, other_steps, record, steps};
+use workbench::diagnose::case::{Case, CaseArguments};
+use workbench::diagnose::catalogue::CATALOGUE;
+use workbench::diagnose::finding::VerdictName;
+use workbench::diagnose::naming::name;
+
+/// Hidden in the records: torque [N m] of an unbalance.
+const TORQUE: f64 = 0.05;
+
+fn truth() -> String {
+    format!("{}\n[unbalance]\ntorque = {TORQUE}\nphase = 1.0\n", model())
+}
+
+/// Files of a case by name, of 10 s at 10 ms.
+fn files() -> &'static [(&'static str, String)] {
+    static FILES: OnceLock<Vec<(&'static str, String)>> = OnceLock::new();
+    FILES.get_or_init(|| {
+        let made =
+            |inputs: Inputs, seconds: f64, seed: u64| record(&truth(), inputs, seconds, 0.01, seed);
+        vec![
+            ("model.toml", model()),
+            ("run-a.csv", made(steps, 10.0, 1)),
+            ("run-b.csv", made(|t| (1.9, 8.0 + 2.0 * t), 10.0, 2)),
+            ("held-out.csv", made(other_steps, 8.0, 3)),
+        ]
+    })
+}
+
+fn write(place: &Path, files: &[(&str, String)]) {
+    for (name, text) in files {
+        fs::write(place.join(name), text).unwrap();
+    }
+}
+
+fn load(directory: &Path) -> Result<Case, String> {
+    let arguments = CaseArguments {
+        case: Some(directory.to_owned()),
+        ..CaseArguments::default()
+    };
+    arguments.load().map_err(|error| error.to_string())
+}
+
+/// The case with one file put through `change`; an empty result takes the file away.
+fn changed(file: &str, change: impl Fn(&str) -> String) -> Result<Case, String> {
+    let place = tempfile::tempdir().unwrap();
+    write(place.path(), files());
+    let path = place.path().join(file);
+    let text = change(&fs::read_to_string(&path).unwrap_or_default());
+    fs::write(&path, text).unwrap();
+    load(place.path())
+}
+
+/// A record with one column put through `change`, which is given the row and the value.
+fn column(text: &str, name: &str, change: impl Fn(usize, f64) -> String) -> String {
+    let mut lines = text.lines();
+    let header = lines.next().unwrap();
+    let at = header.split(',').position(|found| found == name).unwrap();
+    let mut result = format!("{header}\n");
+    for (row, line) in lines.enumerate() {
+        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+        fields[at] = change(row, fields[at].parse().unwrap());
+        result.push_str(&fields.join(","));
+        result.push('\n');
+    }
+    result
+}
+
+fn scaled(text: &str, name: &str, factor: f64) -> String {
+    column(text, name, |_, value| (value * factor).to_string())
+}
+
+fn lines(text: &str, keep: impl Fn(usize) -> bool) -> String {
+    text.lines()
+        .enumerate()
+        .filter(|(line, _)| *line == 0 || keep(line - 1))
+        .map(|(_, line)| format!("{line}\n"))
+        .collect()
+}
+
+type Change = fn(&str) -> String;
+
+#[test]
+fn what_cannot_be_used_is_refused_with_what_would_be_right() {
+    let table: &[(&str, Change, &str)] = &[
+        // Times.
+        (
+            "run-b.csv",
+            |t| t.replacen("\n0.0500,", "\n0.0100,", 1),
+            "0.01 s comes after 0.04 s",
+        ),
+        (
+            "run-b.csv",
+            |t| t.replacen("\n0.0500,", "\n0.0400,", 1),
+            "times must increase",
+        ),
+        ("run-a.csv", |t| scaled(t, "time", 1e3), "is `time` in ms?"),
+        (
+            "run-a.csv",
+            |t| scaled(t, "time", 1.0 / 60.0),
+            "is `time` in minutes?",
+        ),
+        // Columns and what stands in them.
+        (
+            "run-a.csv",
+            |t| t.replacen("theta3,", "angle,", 1),
+            "has no column `theta3`",
+        ),
+        (
+            "run-a.csv",
+            |t| t.replacen(",N2,", ",u,", 1),
+            "column 3 is named `u`",
+        ),
+        ("run-a.csv", |t| t.replace(',', ";"), "separated by commas"),
+        (
+            "run-a.csv",
+            |t| t.replacen("time,", "t,", 1),
+            "it must be `time` [s]",
+        ),
+        (
+            "run-a.csv",
+            |t| t.replacen("\n0.0500,", "\n0.0500,x", 1),
+            "is not a number",
+        ),
+        (
+            "run-a.csv",
+            |t| t.replacen("\n0.0500,", "\n0.0500,1,", 1),
+            "the header names 7 columns",
+        ),
+        ("run-a.csv", |_| String::new(), "is empty"),
+        ("run-a.csv", |t| lines(t, |_| false), "no sample below it"),
+        (
+            "held-out.csv",
+            |t| column(t, "theta", |_, _| "NaN".into()),
+            "no stretch of 1 s",
+        ),
+        (
+            "held-out.csv",
+            |t| {
+                column(t, "theta_dot", |r, v| {
+                    if r % 40 == 0 {
+                        "inf".into()
+                    } else {
+                        v.to_string()
+                    }
+                })
+            },
+            "is not finite",
+        ),
+        // Units.
+        (
+            "run-a.csv",
+            |t| scaled(t, "theta_dot", 30.0 / PI),
+            "is `theta_dot` in rpm?",
+        ),
+        (
+            "run-a.csv",
+            |t| scaled(t, "theta3_dot", 180.0 / PI),
+            "is `theta3_dot` in degrees per second?",
+        ),
+        (
+            "run-a.csv",
+            |t| scaled(t, "theta_dot", 0.5 / PI),
+            "is `theta_dot` in turns per second?",
+        ),
+        (
+            "run-a.csv",
+            |t| scaled(t, "theta", 180.0 / PI),
+            "is `theta` in degrees?",
+        ),
+        (
+            "run-a.csv",
+            |t| scaled(t, "theta3", 0.5 / PI),
+            "is `theta3` in turns?",
+        ),
+        (
+            "held-out.csv",
+            |t| scaled(&scaled(t, "theta3", 8.0), "theta3_dot", 8.0),
+            "motor's side of the gearbox",
+        ),
+        (
+            "held-out.csv",
+            |t| scaled(t, "theta3", 8.0),
+            "motor's side of the gearbox",
+        ),
+        ("run-a.csv", |t| scaled(t, "theta", -1.0), "opposite signs"),
+        (
+            "run-a.csv",
+            |t| {
+                ["theta", "theta_dot", "theta3", "theta3_dot"]
+                    .iter()
+                    .fold(t.to_owned(), |t, c| scaled(&t, c, 180.0 / PI))
+            },
+            "are all angles in degrees",
+        ),
+        ("run-a.csv", |t| scaled(t, "u", 1e3), "is u in mV?"),
+        (
+            "run-a.csv",
+            |t| scaled(t, "u", 1.0 / 24.0),
+            "a share of the supply voltage",
+        ),
+        ("run-a.csv", |t| scaled(t, "N2", 1e3), "is it in mN or g?"),
+        ("run-a.csv", |t| scaled(t, "N2", 1e-3), "is it in kN?"),
+        (
+            "run-a.csv",
+            |t| scaled(t, "N2", -1.0),
+            "pulling as positive",
+        ),
+        (
+            "run-a.csv",
+            |t| scaled(&scaled(t, "theta", 180.0 / PI), "theta_dot", 180.0 / PI),
+            "are `theta` and `theta_dot` in degrees?",
+        ),
+        (
+            "run-a.csv",
+            |t| scaled(&scaled(t, "theta3", -1.0), "theta3_dot", -1.0),
+            "count in opposite directions",
+        ),
+        // Sensors.
+        (
+            "run-a.csv",
+            |t| column(t, "theta", |_, v| v.rem_euclid(2.0 * PI).to_string()),
+            "give the angle unwrapped",
+        ),
+        (
+            "run-a.csv",
+            |t| scaled(t, "theta", 0.0),
+            "`theta` does not change while `theta_dot`",
+        ),
+        (
+            "run-a.csv",
+            |t| scaled(t, "theta3_dot", 0.0),
+            "`theta3_dot` does not change while `theta3`",
+        ),
+        (
+            "run-a.csv",
+            |t| {
+                ["theta", "theta_dot", "theta3", "theta3_dot"]
+                    .iter()
+                    .fold(t.to_owned(), |t, c| scaled(&t, c, 0.0))
+            },
+            "neither disc nor motor moves",
+        ),
+        // Too little.
+        (
+            "run-a.csv",
+            |t| lines(t, |row| row < 60),
+            "no stretch of 1 s",
+        ),
+        (
+            "run-a.csv",
+            |t| lines(t, |row| row % 10 == 0),
+            "sampled every 0.100 s",
+        ),
+        // The same measurement twice.
+        (
+            "held-out.csv",
+            |_| files()[1].1.clone(),
+            "same measurement as",
+        ),
+        (
+            "held-out.csv",
+            |_| lines(&files()[2].1, |row| row > 500),
+            "or a part of it",
+        ),
+        ("run-b.csv", |_| files()[1].1.clone(), "Give it once"),
+        // Model and sensors.
+        ("model.toml", |t| t.replace("[shaft]", "[shfat]"), "shfat"),
+        (
+            "model.toml",
+            |t| t.replace("inertia = 0.0149", "inertia = -1.0"),
+            "inertia",
+        ),
+        (
+            "model.toml",
+            |t| t.replace("\"stribeck\"", "\"stribek\""),
+            "stribek",
+        ),
+        (
+            "sensors.toml",
+            |_| "disc_encoder_step = 0.006\n".into(),
+            "gear_encoder_step",
+        ),
+        (
+            "sensors.toml",
+            |_| {
+                "disc_encoder_step = 0\ngear_encoder_step = 1\ndisc_velocity_noise = 1\ngear_velocity_noise = 1\nload_cell_noise = 1\n".into()
+            },
+            "must be a finite number above 0",
+        ),
+    ];
+    for (file, change, words) in table {
+        let message = match changed(file, change) {
+            Ok(case) => panic!("{file}: `{words}` was not said; notes: {:?}", case.notes),
+            Err(message) => message,
+        };
+        assert!(message.contains(words), "{words}: {message}");
+        assert!(message.contains(file), "{file}: {message}");
+    }
+}
+
+#[test]
+fn what_can_be_used_is_used_and_said() {
+    let whole = changed("model.toml", str::to_owned).unwrap();
+    assert_eq!(whole.runs.len(), 2);
+    assert!(whole.notes.is_empty(), "{:?}", whole.notes);
+    let table: &[(&str, Change, &str, usize)] = &[
+        (
+            "run-a.csv",
+            |t| lines(t, |row| !(400..450).contains(&row)),
+            "2 stretches with 9.49 of 10.00 s",
+            3,
+        ),
+        (
+            "run-a.csv",
+            |t| {
+                column(t, "theta", |row, v| {
+                    if row == 500 {
+                        "NaN".into()
+                    } else {
+                        v.to_string()
+                    }
+                })
+            },
+            "2 stretches with 9.98 of 10.00 s",
+            3,
+        ),
+        (
+            "run-a.csv",
+            |t| {
+                column(t, "N2", |row, v| {
+                    if row == 50 {
+                        String::new()
+                    } else {
+                        v.to_string()
+                    }
+                })
+            },
+            "one stretch with 9.49 of 10.00 s",
+            2,
+        ),
+        (
+            "run-a.csv",
+            |t| {
+                t.lines()
+                    .enumerate()
+                    .map(|(j, l)| format!("{l},{}\n", if j == 0 { "i" } else { "1" }))
+                    .collect()
+            },
+            "columns not used: i",
+            2,
+        ),
+    ];
+    for (file, change, words, runs) in table {
+        let case = changed(file, change).unwrap();
+        assert!(
+            case.notes.iter().any(|note| note.contains(words)),
+            "{words}: {:?}",
+            case.notes
+        );
+        assert_eq!(case.runs.len(), *runs, "{words}");
+    }
+}
+
+#[test]
+fn constant_inputs_are_said() {
+    let place = tempfile::tempdir().unwrap();
+    write(place.path(), files());
+    fs::remove_file(place.path().join("run-b.csv")).unwrap();
+    for (inputs, words) in [
+        (
+            (|_| (2.0, 30.0)) as Inputs,
+            "voltage and normal force are the same throughout",
+        ),
+        (
+            |t| (1.5 + 0.2 * t, 30.0),
+            "the normal force is the same throughout",
+        ),
+        (|t| (2.0, 10.0 + t), "the voltage is the same throughout"),
+    ] {
+        fs::write(
+            place.path().join("run-a.csv"),
+            record(&truth(), inputs, 8.0, 0.01, 9),
+        )
+        .unwrap();
+        let case = load(place.path()).unwrap();
+        assert!(
+            case.notes.iter().any(|note| note.contains(words)),
+            "{words}: {:?}",
+            case.notes
+        );
+    }
+}
+
+#[test]
+fn files_that_are_not_there_are_named() {
+    let place = tempfile::tempdir().unwrap();
+    let message = load(&place.path().join("nowhere")).unwrap_err();
+    assert!(message.contains("nowhere"), "{message}");
+    let message = load(place.path()).unwrap_err();
+    assert!(message.contains("run-*.csv"), "{message}");
+    write(place.path(), &files()[..3]);
+    let message = load(place.path()).unwrap_err();
+    assert!(message.contains("held-out.csv"), "{message}");
+}
+
+#[test]
+fn a_stretch_after_a_hole_is_followed_from_where_the_disc_is() {
+    // The hole ends while the disc sticks, many turns from zero.
+    let case = changed("run-a.csv", |text| {
+        lines(text, |row| !(150..300).contains(&row))
+    })
+    .unwrap();
+    let data = case.training();
+    let second = data.windows.iter().find(|window| window.run == 1).unwrap();
+    let angle = data.runs[1].readings[0][0];
+    assert!(
+        angle > 1.0 && (second.anchor[0] - angle).abs() < 0.05,
+        "{angle} {:?}",
+        second.anchor
+    );
+}
+
+/// Diagnosis of the hidden unbalance from records sampled every `interval`, among a few candidates.
+fn diagnosed(interval: f64) -> (Case, f64, f64) {
+    let place = tempfile::tempdir().unwrap();
+    let made = |inputs: Inputs, seed: u64| record(&truth(), inputs, 10.0, interval, seed);
+    write(
+        place.path(),
+        &[
+            ("model.toml", model()),
+            ("run-a.csv", made(steps, 11)),
+            ("held-out.csv", made(other_steps, 12)),
+        ],
+    );
+    let kept = ["unbalance", "normal_force_wobble", "viscous_drag"];
+    let arguments = CaseArguments {
+        case: Some(place.path().to_owned()),
+        without: CATALOGUE
+            .iter()
+            .map(|entry| entry.name.to_owned())
+            .filter(|name| !kept.contains(&name.as_str()))
+            .collect(),
+        ..CaseArguments::default()
+    };
+    let case = arguments.load().unwrap();
+    let begun = Instant::now();
+    let (finding, _) = name(&case, &mut |_| {}).unwrap();
+    let seconds = begun.elapsed().as_secs_f64();
+    assert_eq!(finding.verdict, VerdictName::Named, "{interval} s");
+    assert_eq!(finding.effects[0].name, "unbalance", "{interval} s");
+    (
+        case,
+        finding.effects[0].parameters["unbal_T"].value,
+        seconds,
+    )
+}
+
+#[test]
+fn the_answer_does_not_depend_on_the_sampling() {
+    let (usual, _, usual_seconds) = diagnosed(0.01);
+    let (fast, fast_torque, fast_seconds) = diagnosed(0.001);
+    let (slow, slow_torque, _) = diagnosed(0.02);
+    assert!(
+        fast.notes
+            .iter()
+            .any(|note| note.contains("every 10th sample is used")),
+        "{:?}",
+        fast.notes
+    );
+    assert_eq!(fast.runs[0].len(), usual.runs[0].len());
+    assert!((slow.runs[0].interval() - 0.02).abs() < 1e-9);
+    for torque in [fast_torque, slow_torque] {
+        assert!((torque / TORQUE - 1.0).abs() < 0.05, "{torque}");
+    }
+    // The load on the machine may change between the two; ten times as many samples would take ten times as long.
+    assert!(
+        fast_seconds < 4.0 * usual_seconds + 2.0,
+        "{fast_seconds} s instead of {usual_seconds} s"
+    );
+}
