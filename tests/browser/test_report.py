@@ -13,10 +13,10 @@ def colour(page, selector, of="backgroundColor"):
 
 
 def panel(page, index):
-    """Handles of the index-th plot: its data, and the middle and size of its frame on the screen."""
-    data = page.locator("figure svg.data").nth(index)
-    data.scroll_into_view_if_needed()
-    return data, data.bounding_box()
+    """The index-th plot: its data, and the frame around them on the screen, which takes the pointer."""
+    surface = page.locator("figure rect[fill=transparent]").nth(index)
+    surface.scroll_into_view_if_needed()
+    return page.locator("figure svg.data").nth(index), surface.bounding_box()
 
 
 def ticks(page, index):

@@ -331,3 +331,35 @@ fn the_stages_on_each_others_files_as_a_user_runs_them() {
     assert_eq!(code, 2, "{text}");
     assert!(text.contains("the catalogue has no such effect"), "{text}");
 }
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_says_what_is_kept_and_exits_with_130() {
+    use std::io::{BufRead, BufReader};
+    use std::process::{Command, Stdio};
+
+    let place = tempfile::tempdir().unwrap();
+    let out = place.path().join("result");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .args(["name", case_directory().to_str().unwrap(), "--out"])
+        .arg(&out)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    // Begun, but not finished: candidates are being tried.
+    let trying = lines.find(|line| line.as_ref().unwrap().contains("trying"));
+    assert!(trying.is_some(), "no progress was shown");
+    let asked = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(asked.success());
+    let said: Vec<String> = lines.map_while(Result::ok).collect();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(
+        said.iter().any(|line| line.contains("nothing was written")),
+        "{said:?}"
+    );
+    assert!(!out.exists());
+}

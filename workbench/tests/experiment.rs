@@ -13,6 +13,7 @@ use std::process::Command;
 use simulated::{model, record, sensed};
 use workbench::diagnose::catalogue::CATALOGUE;
 use workbench::diagnose::finding::{Finding, VerdictName};
+use workbench::diagnose::sensors::Sensors;
 use workbench::files::record::Record;
 
 /// What may be missing; the truth is the first.
@@ -54,7 +55,7 @@ fn the_experiment_decides_what_the_records_left_open() {
     let place = tempfile::tempdir().unwrap();
     let (case, out) = (place.path().join("case"), place.path().join("out"));
     fs::create_dir(&case).unwrap();
-    let truth = format!("{}\n[viscous_drag]\ncoefficient = 0.001\n", model());
+    let truth = format!("{}\n[viscous_drag]\ncoefficient = 0.00015\n", model());
     // One speed without brake, which it is already turning at for most of the time: there the two are one.
     let steady = |_| (2.2, 0.0);
     for (name, text) in [
@@ -73,9 +74,9 @@ fn the_experiment_decides_what_the_records_left_open() {
     names.sort();
     assert_eq!(names, ["bearing_friction", "viscous_drag"]);
     let experiment = open.experiment.unwrap();
-    assert!(experiment.expected_power > 0.99, "{experiment:?}");
+    assert!(experiment.expected_power > 0.9, "{experiment:?}");
 
-    // Its inputs run as they are, under both rivals, and the motions differ by far more than the sensors' noise.
+    // Its inputs run as they are, under both rivals, and the disc's angles differ by more than the encoder's rounding hides.
     let inputs = out.join(&experiment.file);
     let motion = |extra: &str, folder: &str| {
         let file = place.path().join(format!("{folder}.toml"));
@@ -91,24 +92,24 @@ fn the_experiment_decides_what_the_records_left_open() {
         ]);
         assert_eq!(code, 0, "{text}");
         let result = Record::read(&results.join("result.csv")).unwrap();
-        result.require("theta_dot").unwrap().to_vec()
+        result.require("theta").unwrap().to_vec()
     };
     let found = |name: &str| {
         let effect = open.effects.iter().find(|effect| effect.name == name);
         effect.map(|effect| effect.parameters.values().next().unwrap().value)
     };
     // Where only one of them was added, the other is taken of the size that is the same at 4.6 rad/s.
-    let drag = found("viscous_drag").unwrap_or(0.001);
+    let drag = found("viscous_drag").unwrap_or(0.00015);
     let dry = found("bearing_friction").unwrap_or(drag * 4.6);
     let first = motion(&format!("[viscous_drag]\ncoefficient = {drag}"), "drag");
     let second = motion(&format!("[bearing_friction]\ntorque = {dry}"), "dry");
-    let square: f64 = first
+    let deviation = Sensors::default().deviations()[0];
+    let distance: f64 = first
         .iter()
         .zip(&second)
-        .map(|(a, b)| (a - b).powi(2))
+        .map(|(a, b)| ((a - b) / deviation).powi(2))
         .sum();
-    let difference = (square / first.len() as f64).sqrt();
-    assert!(difference > 0.05, "{difference} rad/s");
+    assert!(distance > 40.0, "{distance}");
 
     // Done, it decides.
     let planned = Record::read(&inputs).unwrap();
