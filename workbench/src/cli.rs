@@ -4,6 +4,7 @@ use clap::{Parser, Subcommand};
 
 use crate::build::{self, BuildArguments};
 use crate::calibrate::{self, command::CalibrateArguments};
+use crate::closed_loop::{self, ClosedLoopArguments};
 use crate::diagnose::command::{self as diagnose, AmendArguments, DiagnoseArguments};
 use crate::diagnose::effect_page::{self, EffectsArguments};
 use crate::diagnose::score::{self, ScoreArguments};
@@ -40,6 +41,8 @@ pub enum Command {
     Simulate(SimulateArguments),
     /// Map the kinds of motion over one or two parameters.
     Map(MapArguments),
+    /// Run a rig with controllers over speed and normal force, or over the communication step.
+    ClosedLoop(ClosedLoopArguments),
     /// Say what a model or an FMU is and has.
     Info(InfoArguments),
     /// Name the effect that a model lacks, add it, and show on a held-out record that the gap is closed.
@@ -93,6 +96,7 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
     match &cli.command {
         Command::Simulate(arguments) => simulate::command(arguments),
         Command::Map(arguments) => map::command(arguments),
+        Command::ClosedLoop(arguments) => closed_loop::command(arguments),
         Command::Info(arguments) => info::command(arguments),
         Command::Diagnose(arguments) => diagnose::diagnose(arguments),
         Command::Locate(arguments) => diagnose::locate(arguments),

@@ -11,7 +11,6 @@ use rayon::prelude::*;
 
 use super::journal::Journal;
 use super::point::Point;
-use super::settings::Settings;
 
 /// How the work ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,13 +21,14 @@ pub enum Finished {
     Interrupted,
 }
 
-/// Makes the rows that `kept` lacks, writes each to the journal as it is finished, and stops after the runs at hand once
+/// Makes the rows of a map of so many rows and columns that `kept` lacks, each point by `run` from row and column, writes each to the journal as it is finished, and stops after the runs at hand once
 /// `stop` is set. `tick` is called after every run, from any thread.
 ///
 /// # Errors
 /// Where the journal cannot be written or the threads not be started.
 pub fn run_rows(
-    settings: &Settings,
+    (count, columns): (usize, usize),
+    run: &(dyn Fn(usize, usize) -> Point + Sync),
     kept: BTreeMap<usize, Vec<Point>>,
     journal: &Journal,
     stop: &AtomicBool,
@@ -39,18 +39,16 @@ pub fn run_rows(
         .num_threads(threads.map_or(0, NonZeroUsize::get))
         .build()
         .context("the threads could not be started")?;
-    let missing: Vec<usize> = (0..settings.rows())
-        .filter(|row| !kept.contains_key(row))
-        .collect();
+    let missing: Vec<usize> = (0..count).filter(|row| !kept.contains_key(row)).collect();
     let rows = Mutex::new(kept);
     pool.install(|| {
         missing.par_iter().with_max_len(1).try_for_each(|&row| {
-            let mut points = Vec::with_capacity(settings.columns());
-            for column in 0..settings.columns() {
+            let mut points = Vec::with_capacity(columns);
+            for column in 0..columns {
                 if stop.load(Ordering::Relaxed) {
                     return Ok(());
                 }
-                points.push(settings.run(row, column));
+                points.push(run(row, column));
                 tick();
             }
             journal.add(row, &points)?;
@@ -61,7 +59,7 @@ pub fn run_rows(
         })
     })?;
     let rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
-    if rows.len() == settings.rows() {
+    if rows.len() == count {
         Ok(Finished::Complete(rows.into_values().collect()))
     } else {
         Ok(Finished::Interrupted)

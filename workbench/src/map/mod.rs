@@ -49,7 +49,8 @@ pub fn command(arguments: &MapArguments) -> anyhow::Result<Outcome> {
     let rows_kept = kept.len();
     let begun = Instant::now();
     let finished = run_rows(
-        &settings,
+        (settings.rows(), settings.columns()),
+        &|row, column| settings.run(row, column),
         kept,
         &journal,
         &INTERRUPTED,
