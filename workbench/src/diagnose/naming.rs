@@ -41,7 +41,7 @@ pub fn name(
         .iter()
         .filter_map(|name| refit_with(&data, &found.base, name))
         .collect();
-    let proposal = propose(&found.amended.hypothesis.rig_at()?, &rivals, &case.sensors)?;
+    let proposal = propose(&found.amended, &rivals, &case.sensors)?;
     let inputs = proposal.map(|proposal| {
         finding.experiment = Some(Experiment {
             file: EXPERIMENT_FILE.to_owned(),
