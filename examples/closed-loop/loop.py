@@ -70,13 +70,12 @@ def save(out, name, title, without, runs):
         writer = csv.writer(file)
         writer.writerow(["time", *runs])
         writer.writerows(zip(times, *velocities))
-    figure, axes = pyplot.subplots(figsize=(9, 4))
+    figure, axes = pyplot.subplots(figsize=(9, 4.4), layout="constrained")
     axes.plot(*without, color="0.6", label="constant voltage")
     for (label, velocity), style in zip(runs.items(), ("-", "--", ":", "-.")):
         axes.plot(times, velocity, style, label=label)
     axes.set(title=title, xlabel="time [s]", ylabel="velocity of disc D2 [rad/s]")
-    axes.legend(loc="upper right")
-    figure.tight_layout()
+    figure.legend(loc="outside lower center", ncols=5)
     figure.savefig(out / f"{name}.png", dpi=120)
     late = {label: numpy.asarray(velocity)[-len(velocity) // 3 :] for label, velocity in runs.items()}
     for label, velocity in late.items():
