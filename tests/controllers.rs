@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
+mod common;
+
+use common::Uniform;
 use stickslip::cosim::{self, CoSimulationModel, StateReader, StateWriter};
 
 const SPEED: &str = include_str!("../modelDescription/speed-controller.toml");
@@ -325,4 +328,80 @@ fn a_reset_controller_is_a_new_one() {
             get(&mut fresh, "u").to_bits()
         );
     }
+}
+
+#[test]
+fn random_controllers_under_random_inputs_stay_within_their_limits_and_do_not_chatter() {
+    let mut random = Uniform(7);
+    let mut saturations = 0;
+    for case in 0..1000 {
+        let mut model = cosim::open(if case % 2 == 0 { SPEED } else { SOFT }, "test").unwrap();
+        let (low, high) = (-random.between(0.1, 30.0), random.between(0.1, 30.0));
+        let mut values = vec![("voltage.minimum", low), ("voltage.maximum", high)];
+        if case % 2 == 0 {
+            let gain = random.decades(1e-3, 1e3);
+            values.extend([
+                ("speed_controller.kappa_p", gain),
+                ("speed_controller.kappa_i", 10.0 / gain),
+            ]);
+        } else {
+            let (time, rate) = (random.decades(1e-4, 1e2), random.between(0.0, 1e3));
+            values.extend([
+                ("soft_torque.filter_time", time),
+                ("soft_torque.integral_rate", rate),
+            ]);
+        }
+        set(&mut model, &values);
+        model.initialise().unwrap();
+        let mut whole = cosim::open(if case % 2 == 0 { SPEED } else { SOFT }, "test").unwrap();
+        set(&mut whole, &values);
+        whole.initialise().unwrap();
+        let names: Vec<&str> = ["omega_ref", "theta3_dot", "i"]
+            .into_iter()
+            .filter(|name| model.table().find(name).is_some())
+            .collect();
+        let mut time = 0.0;
+        for _ in 0..5 {
+            for name in &names {
+                let place = reference(&*model, name);
+                // Now and then an input is zero or as it was: guards then start at zero.
+                for (order, size) in [(0, 10.0), (1, 50.0), (2, 300.0), (3, 3000.0)] {
+                    let value = if random.between(0.0, 1.0) < 0.4 {
+                        0.0
+                    } else {
+                        random.between(-size, size)
+                    };
+                    for component in [&mut model, &mut whole] {
+                        if order == 0 {
+                            component.set_real(place, value).unwrap();
+                        } else {
+                            component.set_input_derivative(place, order, value).unwrap();
+                        }
+                    }
+                }
+            }
+            let end = time + random.decades(1e-3, 3.0);
+            whole.step(end, false).unwrap();
+            while time < end {
+                time = (time + (end - time) * random.between(0.05, 0.5)).min(end);
+                if end - time < 1e-6 {
+                    time = end;
+                }
+                saturations += u32::from(model.step(time, false).unwrap().switched);
+                let voltage = get(&mut model, "u");
+                assert!(
+                    voltage >= low - 1e-9 && voltage <= high + 1e-9,
+                    "case {case}: {voltage}"
+                );
+            }
+            for name in ["u", "integral"] {
+                assert_eq!(
+                    get(&mut model, name).to_bits(),
+                    get(&mut whole, name).to_bits(),
+                    "case {case}: {name}"
+                );
+            }
+        }
+    }
+    assert!(saturations > 1000, "{saturations}");
 }

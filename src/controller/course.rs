@@ -165,8 +165,9 @@ impl Course {
         }
         let mut start = Start {
             time,
-            integral: self.integral(0, time),
-            filtered_torque: self.filtered_torque(0, time),
+            // At the event itself, which lies within a rounding error of `time`.
+            integral: self.signals.integral().value(tau),
+            filtered_torque: self.signals.filtered.value(tau),
             inputs: self.start.inputs.map(|polynomial| shifted(polynomial, tau)),
             mode: Some(Mode::Within),
         };

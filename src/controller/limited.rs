@@ -52,8 +52,8 @@ impl Mode {
     }
 }
 
-/// A share of the limits below which a voltage [V] or its rate [V/s] is rounding.
-const ROUNDING: f64 = 1e-14;
+/// A share of the terms of a sum below which the sum is rounding.
+const ROUNDING: f64 = 1e-13;
 
 /// Inputs from an instant on, as polynomials.
 pub(super) type Inputs = [[f64; 4]; INPUTS];
@@ -63,6 +63,8 @@ pub(super) type Inputs = [[f64; 4]; INPUTS];
 pub(super) struct Signals {
     pub(super) mode: Mode,
     limits: [f64; 2],
+    /// Voltage [V] and rate [V/s] below which differences of them are rounding.
+    floors: [f64; 2],
     /// The output without limits and without the integral.
     rest: Signal,
     /// k·w.
@@ -100,10 +102,12 @@ impl Signals {
             gains.filter_time,
         );
         let drive = weighted(&gains.integral);
+        let rest = weighted(&gains.direct).plus(&filtered.times(gains.through_filter));
         let mut signals = Self {
             mode: Within,
             limits: gains.limits,
-            rest: weighted(&gains.direct).plus(&filtered.times(gains.through_filter)),
+            floors: floors(gains, inputs, &rest, integral),
+            rest,
             drive,
             running: drive.integral_of_polynomial().plus_constant(integral),
             initial: integral,
@@ -118,10 +122,6 @@ impl Signals {
             Side::Lower => self.limits[0],
             Side::Upper => self.limits[1],
         }
-    }
-
-    fn floor(&self) -> f64 {
-        ROUNDING * self.limits[0].abs().max(self.limits[1].abs())
     }
 
     /// v as long as the mode lasts.
@@ -167,7 +167,7 @@ impl Signals {
     /// The mode that values and tendencies at the start ask for.
     fn wanted_mode(&self) -> Mode {
         for side in [Side::Upper, Side::Lower] {
-            if self.room(side, &self.running).starting_sign(self.floor()) < 0.0 {
+            if self.room(side, &self.running).starting_sign(self.floors[0]) < 0.0 {
                 return self.beyond(side);
             }
         }
@@ -176,40 +176,37 @@ impl Signals {
 
     /// The mode at or beyond a limit that the output would pass if the integral ran.
     fn beyond(&self, side: Side) -> Mode {
-        if self.push(side).starting_sign(self.floor()) <= 0.0 {
+        if self.push(side).starting_sign(self.floors[1]) <= 0.0 {
             return Unwinding(side);
         }
         let held = Signal::polynomial(&[self.initial], self.rest.rate);
-        let at_the_limit = self.room(side, &held).value(0.0) >= -100.0 * self.floor();
-        if at_the_limit && self.retreat(side).starting_sign(self.floor()) > 0.0 {
+        let at_the_limit = self.room(side, &held).value(0.0) >= -10.0 * self.floors[0];
+        if at_the_limit && self.retreat(side).starting_sign(self.floors[1]) > 0.0 {
             Riding(side)
         } else {
             Holding(side)
         }
     }
 
-    /// What ends the mode: signals that stay at or above zero while it lasts, and what follows.
-    fn guards(&self) -> [(Signal, Next); 2] {
+    /// What ends the mode: signals that stay at or above zero while it lasts, the size below which each is
+    /// rounding, and what follows.
+    fn guards(&self) -> [(Signal, f64, Next); 2] {
+        let [voltage, rate] = self.floors;
+        let beyond = |side| self.room(side, &self.integral()).times(-1.0);
         match self.mode {
             Within => [Side::Upper, Side::Lower]
-                .map(|side| (self.room(side, &self.running), Next::Beyond(side))),
+                .map(|side| (self.room(side, &self.running), voltage, Next::Beyond(side))),
             Holding(side) => [
-                (
-                    self.room(side, &self.integral()).times(-1.0),
-                    Next::Return(side),
-                ),
-                (self.push(side), Next::Mode(Unwinding(side))),
+                (beyond(side), voltage, Next::Return(side)),
+                (self.push(side), rate, Next::Mode(Unwinding(side))),
             ],
             Riding(side) => [
-                (self.retreat(side), Next::Mode(Holding(side))),
-                (self.relief(side).times(-1.0), Next::Mode(Within)),
+                (self.retreat(side), rate, Next::Mode(Holding(side))),
+                (self.relief(side).times(-1.0), rate, Next::Mode(Within)),
             ],
             Unwinding(side) => [
-                (
-                    self.room(side, &self.running).times(-1.0),
-                    Next::Mode(Within),
-                ),
-                (self.push(side).times(-1.0), Next::Mode(Holding(side))),
+                (beyond(side), voltage, Next::Mode(Within)),
+                (self.push(side).times(-1.0), rate, Next::Mode(Holding(side))),
             ],
         }
     }
@@ -217,8 +214,8 @@ impl Signals {
     /// The first event in search window number `number`: local time [s] and what follows.
     pub(super) fn event_in_window(&self, number: u32) -> Option<(f64, Next)> {
         let mut first: Option<(f64, Next)> = None;
-        for (guard, next) in self.guards() {
-            if let Some(tau) = guard.loss_in_window(number, self.floor())
+        for (guard, floor, next) in self.guards() {
+            if let Some(tau) = guard.loss_in_window(number, floor)
                 && first.is_none_or(|(earlier, _)| tau < earlier)
             {
                 first = Some((tau, next));
@@ -233,10 +230,23 @@ impl Signals {
             Next::Mode(mode) => mode,
             Next::Beyond(side) => self.beyond(side),
             // At the limit with the integral held: it runs again if u would then retreat too.
-            Next::Return(side) if self.relief(side).starting_sign(self.floor()) > 0.0 => Within,
+            Next::Return(side) if self.relief(side).starting_sign(self.floors[1]) > 0.0 => Within,
             Next::Return(side) => Riding(side),
         }
     }
+}
+
+/// Sizes below which a voltage [V] and a rate [V/s] are rounding: a share of the terms that they are sums of.
+fn floors(gains: &Gains<f64>, inputs: &Inputs, rest: &Signal, integral: f64) -> [f64; 2] {
+    let (mut voltage, mut rate) = (integral.abs() + rest.amplitude.abs(), 0.0);
+    voltage += gains.limits[0].abs().max(gains.limits[1].abs());
+    for (place, input) in inputs.iter().enumerate() {
+        voltage += (gains.direct[place] * input[0]).abs();
+        rate += (gains.integral[place] * input[0]).abs() + (gains.direct[place] * input[1]).abs();
+    }
+    voltage += rest.polynomial[0].abs();
+    rate += rest.polynomial[1].abs() + (rest.rate * rest.amplitude).abs();
+    [ROUNDING * voltage, ROUNDING * rate]
 }
 
 /// What follows an event.
