@@ -4,10 +4,13 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use stickslip::plant::Rig;
 use workbench::calibrate::cost::Judgement;
-use workbench::calibrate::cycle::Cycle;
+use workbench::calibrate::cycle::{Cycle, Operating};
+use workbench::calibrate::journal::Journal;
+use workbench::calibrate::search::search;
 use workbench::calibrate::target::Target;
 use workbench::experiment::{self, virtual_rig};
 
@@ -20,7 +23,7 @@ fn shipped(equation: &str) -> (Rig<f64>, Target) {
 }
 
 fn cycle(rig: &Rig<f64>, normal_force: f64) -> Cycle {
-    Cycle::of(rig, virtual_rig::radians_per_second(55.0), normal_force).unwrap()
+    Cycle::of(rig, &Operating::reduced(55.0, normal_force)).unwrap()
 }
 
 #[test]
@@ -98,6 +101,120 @@ fn a_target_that_makes_no_sense_is_refused() {
             .unwrap_err()
             .contains("contact.c1")
     );
+}
+
+/// A search small enough for a test: a rig and a law other than the dissertation's, and facts taken from its own motion.
+fn foreign_search() -> (Rig<f64>, Target, [f64; 2]) {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription");
+    let text = std::fs::read_to_string(directory.join("reduced-rig.toml")).unwrap();
+    let mut rig = Rig::from_toml(&text, "rig").unwrap();
+    rig.disc.inertia = 0.025;
+    rig.shaft.stiffness = 0.6;
+    let truth = [0.15, 0.26];
+    rig.set_parameter("contact.mu_c", truth[0]).unwrap();
+    rig.set_parameter("contact.mu_s", truth[1]).unwrap();
+    let mut text = "[search]\nseed = 3\nstarts = 1\npopulation = 8\ngenerations = 12\nsmallest_loop_margin = 0.0\n\
+        [[parameter]]\nname = \"contact.mu_c\"\nminimum = 0.05\nmaximum = 0.25\n\
+        [[parameter]]\nname = \"contact.mu_s\"\nminimum = 0.25\nmaximum = 0.35\n"
+        .to_owned();
+    for (speed, force) in [(40.0, 30.0), (60.0, 45.0)] {
+        let seen = Cycle::of(&rig, &Operating::reduced(speed, force)).unwrap();
+        text.push_str(&format!(
+            "[[point]]\nspeed_rpm = {speed:?}\nnormal_force = {force:?}\nsticking = {}\n\
+             frequency_hz = {{ value = {:?}, bar = 0.01 }}\nmaximum_velocity = {{ value = {:?}, bar = 0.02 }}\n",
+            seen.sticks_and_slips(),
+            seen.frequency.unwrap(),
+            seen.maximum
+        ));
+    }
+    let target = Target::parse(&text, "foreign.toml", &rig).unwrap();
+    (rig, target, truth)
+}
+
+#[test]
+fn another_rig_with_another_law_is_calibrated_and_the_truth_is_among_the_sets() {
+    let (rig, target, truth) = foreign_search();
+    let never = AtomicBool::new(false);
+    let found = search(&rig, &target, &mut Journal::none(), &never, |_| ()).unwrap();
+    assert!(found.complete && found.ensemble.len() > 3, "{found:?}");
+    for ((low, high), truth) in found.ranges().into_iter().zip(truth) {
+        let slack = 0.02 * truth;
+        assert!(
+            low - slack <= truth && truth <= high + slack,
+            "{low} {truth} {high}"
+        );
+    }
+    assert!(found.best.judgement.distance() < 0.5, "{:?}", found.best);
+}
+
+#[test]
+fn an_interrupted_search_goes_on_to_the_same_end() {
+    let (rig, target, _) = foreign_search();
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("calibration.journal");
+    let never = AtomicBool::new(false);
+    let whole = search(&rig, &target, &mut Journal::none(), &never, |_| ()).unwrap();
+    let interrupted = AtomicBool::new(false);
+    let mut journal = Journal::open(&path, "same").unwrap();
+    let part = search(&rig, &target, &mut journal, &interrupted, |progress| {
+        if progress.judged >= 40 {
+            interrupted.store(true, Ordering::Relaxed);
+        }
+    })
+    .unwrap();
+    assert!(!part.complete && part.evaluations < whole.evaluations);
+    let mut journal = Journal::open(&path, "same").unwrap();
+    assert_eq!(journal.kept(), 40);
+    let rest = search(&rig, &target, &mut journal, &never, |_| ()).unwrap();
+    assert_eq!(rest, whole);
+}
+
+#[test]
+fn transitions_that_make_no_sense_are_refused() {
+    let (rig, _) = shipped("eq-6-2");
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("targets");
+    let text = std::fs::read_to_string(directory.join("eq-6-2.toml")).unwrap();
+    for (from, to, word) in [
+        (
+            "between = [10.0, 54.0]",
+            "between = [10.0, 64.0]",
+            "within range",
+        ),
+        (
+            "range = [6.0, 60.0]",
+            "range = [60.0, 6.0]",
+            "range must be",
+        ),
+        ("over = \"speed_rpm\"", "over = \"speed\"", "speed_rpm"),
+    ] {
+        let message = Target::parse(&text.replace(from, to), "t.toml", &rig)
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains(word), "{message}");
+    }
+    let outer = text.replacen("sticking = true", "sticking = true\ndisc = \"D1\"", 1);
+    let message = Target::parse(&outer, "t.toml", &rig)
+        .unwrap_err()
+        .to_string();
+    assert!(message.contains("[disc1]"), "{message}");
+}
+
+#[test]
+fn the_document_holds_the_experiments_of_the_list_in_order() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reproduction.md");
+    let text = std::fs::read_to_string(path).unwrap();
+    let documented: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("<!-- experiment ")?.strip_suffix(" -->"))
+        .collect();
+    let listed: Vec<&str> = experiment::all().iter().map(|entry| entry.id).collect();
+    assert_eq!(documented, listed);
+    for shown in ["3.5", "5.2", "6.4", "6.11", "6.14", "6.15"] {
+        assert!(
+            text.contains(&format!("](pictures/fig-{shown}.svg)")),
+            "{shown}"
+        );
+    }
 }
 
 #[test]

@@ -1,19 +1,21 @@
 //! `stickslip calibrate`.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::json;
-use stickslip::plant::{ModelFile, Provenance};
+use stickslip::plant::ModelFile;
 
-use super::search::{Calibration, search};
+use super::journal::Journal;
+use super::search::{planned, search};
 use super::target::Target;
+use super::{picture, report};
 use crate::cli::Outcome;
-use crate::experiment::Table;
-use crate::files::atomic::write_file;
+
+/// Set by an interrupt; the generation at work is then given up.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]
@@ -24,7 +26,8 @@ pub struct CalibrateArguments {
     /// The target file: facts with their bars, parameters with their ranges.
     #[arg(long)]
     target: PathBuf,
-    /// Directory for `model.toml` (the best set), `ensemble.csv` (all sets that meet the bars) and `calibration.json`.
+    /// Directory for `model.toml` (the best set), `ensemble.csv` and its picture (all sets that meet the bars) and
+    /// `calibration.json`. An interrupted search goes on from there with the same command.
     #[arg(long)]
     out: PathBuf,
 }
@@ -39,202 +42,56 @@ pub fn run(arguments: &CalibrateArguments) -> anyhow::Result<Outcome> {
         std::fs::read_to_string(&arguments.model).with_context(|| format!("cannot read {file}"))?;
     let model = ModelFile::parse(&text, &file)?;
     let target = Target::read(&arguments.target, &model.rig)?;
-    let settings = target.search;
-    let bar = ProgressBar::new((settings.starts * settings.generations) as u64);
-    if let Ok(style) = ProgressStyle::with_template("{elapsed} {bar:30} {pos}/{len} {msg}") {
+    let identity = format!("{text}\n{}", serde_json::to_string(&target)?);
+    let path = arguments.out.join("calibration.journal");
+    let mut journal = Journal::open(&path, &identity)?;
+    ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed))
+        .context("interrupts cannot be caught")?;
+    let kept = journal.kept();
+    if kept > 0 {
+        eprintln!(
+            "{kept} sets judged before are taken from {}",
+            path.display()
+        );
+    }
+    let bar = ProgressBar::new(planned(&target) as u64);
+    if let Ok(style) = ProgressStyle::with_template("{elapsed} {wide_bar} {pos}/{len} sets, {msg}")
+    {
         bar.set_style(style);
     }
-    let calibration = search(&model.rig, &target, |start, _, met| {
-        bar.inc(1);
-        bar.set_message(format!(
-            "start {}: {met} of {} sets meet every bar",
-            start + 1,
-            settings.population
-        ));
-    });
+    let settings = target.search;
+    let found = search(
+        &model.rig,
+        &target,
+        &mut journal,
+        &INTERRUPTED,
+        |progress| {
+            bar.set_position(progress.judged as u64);
+            bar.set_message(format!(
+                "start {} of {}: {} of {} meet every bar",
+                progress.start + 1,
+                settings.starts,
+                progress.met,
+                settings.population
+            ));
+        },
+    )?;
     bar.finish_and_clear();
     let place = arguments.target.display().to_string();
-    write_results(arguments, &model, &target, &calibration, &place)?;
-    print!("{}", summary(&target, &calibration));
-    Ok(if calibration.ensemble.is_empty() {
+    report::write(&arguments.out, &model, &target, &found, &place)?;
+    picture::ensemble(&target, &found).write(&arguments.out.join("ensemble"))?;
+    print!("{}", report::summary(&target, &found));
+    if !found.complete {
+        eprintln!(
+            "interrupted; what was found by then is in {}: the same command goes on from there",
+            arguments.out.display()
+        );
+        return Ok(Outcome::Interrupted);
+    }
+    journal.remove()?;
+    Ok(if found.ensemble.is_empty() {
         Outcome::CheckFailed
     } else {
         Outcome::Done
     })
-}
-
-fn write_results(
-    arguments: &CalibrateArguments,
-    model: &ModelFile,
-    target: &Target,
-    calibration: &Calibration,
-    source: &str,
-) -> anyhow::Result<()> {
-    let mut amended = model.clone();
-    let ranges = calibration.ranges();
-    for (index, sought) in target.parameter.iter().enumerate() {
-        amended
-            .rig
-            .set_parameter(&sought.name, calibration.best.values[index])?;
-        let (low, high) = ranges[index];
-        let range = if calibration.ensemble.is_empty() {
-            "no set meets every bar".to_owned()
-        } else {
-            format!("equally good from {low:.4} to {high:.4}, together with the others")
-        };
-        amended.provenance.insert(
-            sought.name.clone(),
-            Provenance {
-                source: Some(format!("calibrated to {source}: {range}")),
-                status: Some("calibrated".to_owned()),
-                ..Provenance::default()
-            },
-        );
-    }
-    let out = &arguments.out;
-    write_file(&out.join("model.toml"), amended.to_toml().as_bytes())?;
-    write_file(
-        &out.join("ensemble.csv"),
-        ensemble_table(target, calibration).to_csv().as_bytes(),
-    )?;
-    let cycles: Vec<_> = target
-        .point
-        .iter()
-        .zip(&calibration.best.judgement.cycles)
-        .map(|(point, cycle)| {
-            json!({
-                "speed_rpm": point.speed_rpm,
-                "normal_force": point.normal_force,
-                "frequency_hz": cycle.as_ref().and_then(|cycle| cycle.frequency),
-                "minimum_velocity": cycle.as_ref().map(|cycle| cycle.minimum),
-                "maximum_velocity": cycle.as_ref().map(|cycle| cycle.maximum),
-                "stick_fraction": cycle.as_ref().map(|cycle| cycle.stick_fraction),
-                "loop_margin": cycle.as_ref().map(|cycle| cycle.loop_margin),
-                "branch_jumps": cycle.as_ref().map(|cycle| cycle.branch_jumps),
-            })
-        })
-        .collect();
-    let parameters: Vec<_> = target
-        .parameter
-        .iter()
-        .enumerate()
-        .map(|(index, sought)| {
-            let range =
-                (!calibration.ensemble.is_empty()).then(|| [ranges[index].0, ranges[index].1]);
-            json!({ "name": sought.name, "best": calibration.best.values[index], "range": range })
-        })
-        .collect();
-    let report = json!({
-        "target": target,
-        "parameters": parameters,
-        "best_meets_every_bar": calibration.best.judgement.excess() == 0.0,
-        "best_distance": calibration.best.judgement.distance(),
-        "best_cycles": cycles,
-        "sets_that_meet_every_bar": calibration.ensemble.len(),
-        "evaluations": calibration.evaluations,
-    });
-    write_file(
-        &out.join("calibration.json"),
-        serde_json::to_string_pretty(&report)?.as_bytes(),
-    )?;
-    Ok(())
-}
-
-fn ensemble_table(target: &Target, calibration: &Calibration) -> Table {
-    let mut columns: Vec<(String, Vec<f64>)> = target
-        .parameter
-        .iter()
-        .enumerate()
-        .map(|(index, sought)| {
-            let values = calibration
-                .ensemble
-                .iter()
-                .map(|solution| solution.values[index]);
-            (sought.name.clone(), values.collect())
-        })
-        .collect();
-    let margins = calibration
-        .ensemble
-        .iter()
-        .map(|solution| solution.judgement.loop_margin());
-    columns.push(("loop_margin".to_owned(), margins.collect()));
-    for (index, point) in target.point.iter().enumerate() {
-        let label = format!("{} rpm {} N", point.speed_rpm, point.normal_force);
-        let cycles = || {
-            calibration
-                .ensemble
-                .iter()
-                .map(|solution| solution.judgement.cycles[index])
-        };
-        let column = |read: fn(&super::cycle::Cycle) -> f64| -> Vec<f64> {
-            cycles()
-                .map(|cycle| cycle.as_ref().map_or(f64::NAN, read))
-                .collect()
-        };
-        columns.push((
-            format!("{label}: frequency_hz"),
-            column(|cycle| cycle.frequency.unwrap_or(f64::NAN)),
-        ));
-        columns.push((
-            format!("{label}: minimum_velocity"),
-            column(|cycle| cycle.minimum),
-        ));
-        columns.push((
-            format!("{label}: maximum_velocity"),
-            column(|cycle| cycle.maximum),
-        ));
-        columns.push((
-            format!("{label}: stick_fraction"),
-            column(|cycle| cycle.stick_fraction),
-        ));
-    }
-    Table {
-        name: "ensemble".to_owned(),
-        columns,
-    }
-}
-
-fn summary(target: &Target, calibration: &Calibration) -> String {
-    let mut text = String::new();
-    let count = calibration.ensemble.len();
-    let _ = writeln!(
-        text,
-        "{count} parameter sets meet every bar ({} were tried)",
-        calibration.evaluations
-    );
-    for (index, sought) in target.parameter.iter().enumerate() {
-        let best = calibration.best.values[index];
-        let _ = match calibration.ranges().get(index) {
-            Some((low, high)) if count > 0 => {
-                writeln!(
-                    text,
-                    "  {:<34} {best:>10.5}   equally good {low:.5} … {high:.5}",
-                    sought.name
-                )
-            }
-            _ => writeln!(text, "  {:<34} {best:>10.5}", sought.name),
-        };
-    }
-    for (point, cycle) in target.point.iter().zip(&calibration.best.judgement.cycles) {
-        let _ = write!(
-            text,
-            "  best at {} rpm, {} N: ",
-            point.speed_rpm, point.normal_force
-        );
-        let _ = match cycle {
-            Some(cycle) => writeln!(
-                text,
-                "{} Hz, {:.3} … {:.3} rad/s, sticks {:.1} % of the time, loop margin {:.3}",
-                cycle
-                    .frequency
-                    .map_or("no".to_owned(), |f| format!("{f:.4}")),
-                cycle.minimum,
-                cycle.maximum,
-                100.0 * cycle.stick_fraction,
-                cycle.loop_margin
-            ),
-            None => writeln!(text, "the run cannot go on"),
-        };
-    }
-    text
 }

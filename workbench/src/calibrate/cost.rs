@@ -1,14 +1,15 @@
 //! How far a parameter set is from a target.
 
-use std::f64::consts::PI;
-
 use stickslip::plant::Rig;
 
 use super::cycle::Cycle;
 use super::target::{Goal, Point, Target};
+use super::transition::Seen;
 
 /// Misfit [bars] of a point whose run cannot go on.
 const FAILED: f64 = 100.0;
+/// Misfit [bars] of the transitions of a set that does not meet the points: more than the worst that is seen of one.
+const UNTRIED: f64 = 8.0;
 
 /// A parameter set judged by a target.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +18,8 @@ pub struct Judgement {
     pub misfits: Vec<(f64, f64)>,
     /// The motions at the target's points; `None` where a run cannot go on.
     pub cycles: Vec<Option<Cycle>>,
+    /// What is seen of the target's transitions; empty where the points are not met.
+    pub transitions: Vec<Seen>,
 }
 
 impl Judgement {
@@ -26,6 +29,7 @@ impl Judgement {
         let mut judgement = Self {
             misfits: Vec::new(),
             cycles: Vec::new(),
+            transitions: Vec::new(),
         };
         let mut trial = *rig;
         for (sought, value) in target.parameter.iter().zip(values) {
@@ -39,7 +43,7 @@ impl Judgement {
             return judgement;
         }
         for point in &target.point {
-            let cycle = Cycle::of(&trial, point.speed_rpm * PI / 30.0, point.normal_force).ok();
+            let cycle = Cycle::of(&trial, &point.operating()).ok();
             match &cycle {
                 Some(cycle) => judgement.add(point, cycle, target.search.smallest_loop_margin),
                 None => judgement.misfits.push((FAILED, 1.0)),
@@ -47,8 +51,18 @@ impl Judgement {
             let failed = cycle.is_none();
             judgement.cycles.push(cycle);
             if failed {
-                break;
+                return judgement;
             }
+        }
+        // A transition takes a dozen runs: only sets that meet all points are worth them.
+        if judgement.excess() == 0.0 {
+            for transition in &target.transition {
+                let seen = transition.seen(&trial);
+                judgement.misfits.push((transition.misfit(&seen), 1.0));
+                judgement.transitions.push(seen);
+            }
+        } else if !target.transition.is_empty() {
+            judgement.misfits.push((UNTRIED, 1.0));
         }
         judgement
     }
@@ -56,7 +70,10 @@ impl Judgement {
     fn add(&mut self, point: &Point, cycle: &Cycle, smallest_margin: f64) {
         let mut goal = |goal: Option<Goal>, ours: Option<f64>| {
             if let Some(goal) = goal {
-                let misfit = ours.map_or(FAILED, |ours| (ours / goal.value - 1.0) / goal.bar);
+                let misfit = ours
+                    .map(|ours| (ours / goal.value - 1.0) / goal.bar)
+                    .filter(|misfit| misfit.is_finite())
+                    .unwrap_or(FAILED);
                 self.misfits.push((misfit, goal.weight));
             }
         };
@@ -66,7 +83,7 @@ impl Judgement {
         goal(point.maximum_velocity, Some(cycle.maximum));
         if let Some(sticking) = point.sticking {
             // Continuous, so that the search is led: how far from standing still, how long it stands.
-            let misfit = match (sticking, cycle.stick_fraction > 0.0) {
+            let misfit = match (sticking, cycle.sticks_and_slips()) {
                 (true, true) | (false, false) => 0.0,
                 (true, false) => 1.5 + 5.0 * cycle.minimum.abs() / (1.0 + cycle.maximum.abs()),
                 (false, true) => 1.5 + 10.0 * cycle.stick_fraction,

@@ -7,6 +7,9 @@ use stickslip::parameter::ParameterError;
 use stickslip::plant::Rig;
 use thiserror::Error;
 
+use super::cycle::{Disc, Operating};
+use super::transition::Transition;
+
 /// Why a target file is refused.
 #[derive(Debug, Error)]
 pub enum TargetError {
@@ -70,7 +73,14 @@ pub struct Point {
     /// ω_ref [rpm].
     pub speed_rpm: f64,
     /// N2 [N].
+    #[serde(default)]
     pub normal_force: f64,
+    /// N1 [N]; only the full rig has it.
+    #[serde(default)]
+    pub normal_force_1: f64,
+    /// The disc that the facts are about.
+    #[serde(default)]
+    pub disc: Disc,
     /// Frequency of the velocity [Hz].
     pub frequency_hz: Option<Goal>,
     /// Half of the velocity's range [rad/s].
@@ -83,6 +93,30 @@ pub struct Point {
     pub sticking: Option<bool>,
     /// Where the facts come from.
     pub source: Option<String>,
+}
+
+impl Point {
+    /// The operating point.
+    #[must_use]
+    pub fn operating(&self) -> Operating {
+        Operating {
+            speed_rpm: self.speed_rpm,
+            normal_force: self.normal_force,
+            normal_force_1: self.normal_force_1,
+            disc: self.disc,
+        }
+    }
+
+    /// The operating point in words.
+    #[must_use]
+    pub fn label(&self) -> String {
+        let outer = if self.normal_force_1 == 0.0 {
+            String::new()
+        } else {
+            format!(", N1 {} N", self.normal_force_1)
+        };
+        format!("{} rpm, {} N{outer}", self.speed_rpm, self.normal_force)
+    }
 }
 
 /// A parameter that is sought, with the range in which.
@@ -121,8 +155,11 @@ pub struct Target {
     pub search: Search,
     /// What is sought.
     pub parameter: Vec<Sought>,
-    /// What is known.
+    /// What is known at single operating points.
     pub point: Vec<Point>,
+    /// Where stick-slip begins or ends.
+    #[serde(default)]
+    pub transition: Vec<Transition>,
 }
 
 impl Target {
@@ -167,6 +204,11 @@ impl Target {
                 "population must be at least 5 and starts at least 1",
             );
         }
+        for transition in &target.transition {
+            if let Err(message) = transition.check() {
+                return refuse(transition.label(), message);
+            }
+        }
         for sought in &target.parameter {
             if sought.minimum.is_nan() || sought.minimum >= sought.maximum {
                 return refuse(sought.name.clone(), "minimum must be below maximum");
@@ -188,7 +230,14 @@ impl Target {
                 point.minimum_velocity,
                 point.maximum_velocity,
             ];
-            let place = format!("point at {} rpm, {} N", point.speed_rpm, point.normal_force);
+            let place = format!("point at {}", point.label());
+            let outer = point.disc == Disc::D1 || point.normal_force_1 != 0.0;
+            if outer && rig.outer.is_none() {
+                return refuse(
+                    place,
+                    "disc D1 and normal_force_1 need a model with [disc1], [shaft1] and [contact1]",
+                );
+            }
             if goals
                 .iter()
                 .flatten()

@@ -141,8 +141,16 @@ impl Layout {
     }
 }
 
-/// About `count` ticks at multiples of 1, 2 or 5 times a power of ten.
+/// About `count` ticks, but at least two, at multiples of 1, 2 or 5 times a power of ten.
 pub(super) fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
+    // One tick gives no scale; five steps over the range leave room for two multiples of the step whatever its ends.
+    (count..=5.max(count))
+        .map(|count| ticks_at_multiples(low, high, count))
+        .find(|ticks| ticks.len() > 1)
+        .unwrap_or_default()
+}
+
+fn ticks_at_multiples(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
     if high.partial_cmp(&low) != Some(std::cmp::Ordering::Greater) || !(high - low).is_finite() {
         return Vec::new();
     }
@@ -231,6 +239,11 @@ mod tests {
             labels(0.0, 2.0e-6),
             ["0", "0.5·10⁻⁶", "1.0·10⁻⁶", "1.5·10⁻⁶", "2.0·10⁻⁶"]
         );
+        let few: Vec<String> = linear_ticks(3.02, 3.17, 1)
+            .into_iter()
+            .map(|(_, label)| label)
+            .collect();
+        assert_eq!(few, ["3.05", "3.10", "3.15"]);
         assert!(labels(1.0, 1.0).is_empty());
         assert!(labels(f64::NAN, 1.0).is_empty());
     }

@@ -3,6 +3,7 @@
 mod free_decay;
 mod start_up;
 mod static_tests;
+mod table_4_7;
 
 use super::Experiment;
 
@@ -32,6 +33,11 @@ pub(super) const EXPERIMENTS: &[Experiment] = &[
         id: "fig-4.11",
         title: "Four starts without normal force and their measures (Table 4.7)",
         run: start_up::velocities,
+    },
+    Experiment {
+        id: "table-4.7",
+        title: "What Table 4.7 says about its records and about the amplitude pulse level",
+        run: table_4_7::consistency,
     },
     Experiment {
         id: "fig-4.12",

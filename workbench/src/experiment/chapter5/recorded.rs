@@ -21,6 +21,32 @@ pub struct RecordedFriction {
     pub normal_force: Vec<f64>,
 }
 
+impl RecordedFriction {
+    /// Leaves out as many samples at both ends, where the smoothing has neighbours on one side only.
+    fn trim(&mut self, samples: usize) {
+        let (run, friction) = (&mut self.run, &mut self.friction);
+        for series in [
+            &mut run.time,
+            &mut run.theta,
+            &mut run.omega,
+            &mut run.acceleration,
+            &mut run.theta3,
+            &mut run.omega3,
+            &mut run.current,
+            &mut run.theta1,
+            &mut run.omega1,
+            &mut run.friction,
+            &mut friction.velocity,
+            &mut friction.acceleration,
+            &mut friction.torque,
+            &mut self.normal_force,
+        ] {
+            series.truncate(series.len().saturating_sub(samples));
+            series.drain(..samples.min(series.len()));
+        }
+    }
+}
+
 /// The record at an operating point [rpm, N].
 pub fn recorded_friction(
     speed_rpm: f64,
@@ -43,11 +69,13 @@ pub fn recorded_friction(
         .iter()
         .map(|theta| normal_force * relative_force(*theta))
         .collect();
-    Ok(RecordedFriction {
+    let mut record = RecordedFriction {
         run,
         friction,
         normal_force: force,
-    })
+    };
+    record.trim(HALF_WIDTH);
+    Ok(record)
 }
 
 /// The normal force of the virtual rig at a disc angle, relative to its mean.

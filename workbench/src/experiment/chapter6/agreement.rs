@@ -2,11 +2,11 @@
 
 use crate::analysis::measures::root_mean_square_error;
 use crate::analysis::spectrum::Spectrum;
-use crate::calibrate::cycle::Cycle;
+use crate::calibrate::cycle::{Cycle, Operating};
 use crate::experiment::chapter5::wobble::WOBBLE;
 use crate::experiment::virtual_rig::{
-    Operation, Run, SAMPLE_STEP, first_law_rig, peak_frequency, radians_per_second, tachometer,
-    two_gaussian_rig, wobbling_rig,
+    Operation, Run, SAMPLE_STEP, first_law_rig, peak_frequency, tachometer, two_gaussian_rig,
+    wobbling_rig,
 };
 use crate::experiment::{ExperimentError, Findings, Row, Table, Verdict};
 use crate::plot::{Axis, Chart, Figure, Panel, Style};
@@ -106,7 +106,7 @@ fn compare(printed: &Printed) -> Result<Findings, ExperimentError> {
         };
     }
     for (index, name) in ["first law", "second law"].into_iter().enumerate() {
-        let cycle = Cycle::of(&rigs[index], radians_per_second(SPEED), printed.force)?;
+        let cycle = Cycle::of(&rigs[index], &Operating::reduced(SPEED, printed.force))?;
         let frequency = cycle.frequency.unwrap_or(f64::NAN);
         findings.rows.push(
             Row::number(
@@ -287,9 +287,12 @@ fn store(findings: &mut Findings, printed: &Printed, runs: &[Run; 2], record: &[
             spectra = spectra.line(name, &spectrum.frequency, &spectrum.amplitude, style);
         }
         spectra = spectra.vertical(
-            format!("published {name}"),
+            format!("published {name} {:.3} Hz", printed.laws[index]),
             printed.laws[index],
-            Style::reference(),
+            Style {
+                dashes: Some("2 3"),
+                ..style
+            },
         );
         let residual: Vec<f64> = record
             .iter()
@@ -301,9 +304,9 @@ fn store(findings: &mut Findings, printed: &Printed, runs: &[Run; 2], record: &[
         }
     }
     spectra = spectra.vertical(
-        "published experiment",
+        format!("published experiment {} Hz", printed.experiment),
         printed.experiment,
-        Style::reference().wide(1.6),
+        Style::reference().wide(2.0),
     );
     let title = format!("Both laws at 55 rpm, {} N", printed.force);
     let panels: Vec<Box<dyn Panel>> = vec![Box::new(portrait), Box::new(spectra)];
