@@ -127,8 +127,10 @@ fn ensemble_table(target: &Target, found: &Calibration) -> Table {
         ("stick_fraction", |cycle| cycle.stick_fraction),
     ];
     for (index, point) in target.point.iter().enumerate() {
+        // A comma would split the column's name.
+        let label = point.label().replace(',', "");
         for (name, read) in seen {
-            columns.push(column(format!("{}: {name}", point.label()), &|set| {
+            columns.push(column(format!("{label}: {name}"), &|set| {
                 set.judgement.cycles[index].as_ref().map_or(f64::NAN, read)
             }));
         }

@@ -20,7 +20,7 @@ pub(super) const TABLE_4_7: [(f64, f64, f64, f64); 4] = [
     (40.0, 0.552, 0.76, 0.104),
     (50.0, 0.534, 0.90, 0.112),
 ];
-/// Length of the records [s]; not given. Table 4.7 rules out less than 42 s (experiment `table-4.7`).
+/// Length of the records [s]; not given. Table 4.7 rules out less than 43 s (experiment `table-4.7`).
 const DURATION: f64 = 44.0;
 
 /// A start from rest without normal force, kept for `duration` [s].
