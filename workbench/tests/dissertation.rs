@@ -113,7 +113,7 @@ fn foreign_search() -> (Rig<f64>, Target, [f64; 2]) {
     let truth = [0.15, 0.26];
     rig.set_parameter("contact.mu_c", truth[0]).unwrap();
     rig.set_parameter("contact.mu_s", truth[1]).unwrap();
-    let mut text = "[search]\nseed = 3\nstarts = 1\npopulation = 8\ngenerations = 12\nsmallest_loop_margin = 0.0\n\
+    let mut text = "[search]\nseed = 3\nstarts = 1\npopulation = 8\ngenerations = 20\nsmallest_loop_margin = 0.0\n\
         [[parameter]]\nname = \"contact.mu_c\"\nminimum = 0.05\nmaximum = 0.25\n\
         [[parameter]]\nname = \"contact.mu_s\"\nminimum = 0.25\nmaximum = 0.35\n"
         .to_owned();
