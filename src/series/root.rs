@@ -146,7 +146,10 @@ mod tests {
         // Flat within rounding over a twentieth of the interval: halving that to points would take years.
         let mut p = polynomial(&[0.5; 12]);
         let root = first_loss_of_sign(&p, 1.0);
-        assert!(root.is_none_or(|root| (root - 0.5).abs() < 0.15), "{root:?}");
+        assert!(
+            root.is_none_or(|root| (root - 0.5).abs() < 0.15),
+            "{root:?}"
+        );
         p[0] -= 1e-6;
         let crossing = 0.5 - 0.5 * 1e-6_f64.powf(1.0 / 12.0);
         let root = first_loss_of_sign(&p, 1.0).unwrap();

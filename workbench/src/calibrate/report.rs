@@ -16,6 +16,9 @@ use crate::files::atomic::write_file;
 /// Correlation from which two parameters count as tied to each other.
 const TIED: f64 = 0.7;
 
+/// Reads a number off a cycle.
+type ReadCycle = fn(&Cycle) -> f64;
+
 /// Writes `model.toml`, `ensemble.csv` and `calibration.json` into `out`; `source` names the target in the model file.
 ///
 /// # Errors
@@ -120,7 +123,7 @@ fn ensemble_table(target: &Target, found: &Calibration) -> Table {
     columns.push(column("loop_margin".to_owned(), &|set| {
         set.judgement.loop_margin()
     }));
-    let seen: [(&str, fn(&Cycle) -> f64); 4] = [
+    let seen: [(&str, ReadCycle); 4] = [
         ("frequency_hz", |cycle| cycle.frequency.unwrap_or(f64::NAN)),
         ("minimum_velocity", |cycle| cycle.minimum),
         ("maximum_velocity", |cycle| cycle.maximum),
