@@ -5,60 +5,9 @@
 mod common;
 
 use common::LAWS;
+use common::energy::{EnergyBalance, GAUSS, torques};
 use stickslip::integrator::Simulation;
-use stickslip::plant::{Rig, RigInputs, RigState, STATES, index::*};
-use stickslip::series::evaluate;
-
-/// Nodes and weights of Gauss-Legendre quadrature with eight points on \[−1, 1\].
-const GAUSS: [(f64, f64); 8] = [
-    (-0.960_289_856_497_536_2, 0.101_228_536_290_376_26),
-    (-0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
-    (-0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (-0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
-    (0.960_289_856_497_536_2, 0.101_228_536_290_376_26),
-];
-
-fn stored_energy(rig: &Rig<f64>, x: &RigState<f64>) -> f64 {
-    let motor_inertia = rig.gearbox.ratio.powi(2) * rig.motor.inertia;
-    let mut energy = 0.5 * rig.disc.inertia * x[OMEGA].powi(2)
-        + 0.5 * motor_inertia * x[OMEGA3].powi(2)
-        + 0.5 * rig.motor.inductance * x[CURRENT].powi(2)
-        + 0.5 * rig.shaft.stiffness * (x[THETA] - x[THETA3]).powi(2);
-    if let Some(outer) = &rig.outer {
-        energy += 0.5 * outer.disc.inertia * x[OMEGA1].powi(2)
-            + 0.5 * outer.shaft.stiffness * (x[THETA1] - x[THETA]).powi(2);
-    }
-    energy
-}
-
-/// Power that flows in, minus all that is lost [W]. The torque constant and the back-EMF constant of
-/// the published motor differ, so that its conversion adds a term of its own.
-fn net_power(rig: &Rig<f64>, voltage: f64, x: &RigState<f64>, torques: [f64; 3]) -> f64 {
-    let (motor, ratio) = (&rig.motor, rig.gearbox.ratio);
-    let mut power = voltage * x[CURRENT] - motor.resistance * x[CURRENT].powi(2)
-        + (motor.torque_constant - motor.back_emf_constant) * ratio * x[OMEGA3] * x[CURRENT]
-        - motor.viscous_damping * (ratio * x[OMEGA3]).powi(2)
-        - rig.shaft.damping * (x[OMEGA] - x[OMEGA3]).powi(2)
-        - torques[0] * x[OMEGA]
-        - torques[2] * x[OMEGA3];
-    if let Some(outer) = &rig.outer {
-        power -= outer.shaft.damping * (x[OMEGA1] - x[OMEGA]).powi(2) + torques[1] * x[OMEGA1];
-    }
-    power
-}
-
-/// Friction torques on D2, D1 and in the motor at local time `tau` of the segment.
-fn torques(run: &Simulation<f64, Rig<f64>>, tau: f64) -> [f64; 3] {
-    let jet = run.jet();
-    [
-        evaluate(jet.friction_torque(), tau),
-        jet.friction_torque_1().map_or(0.0, |t| evaluate(t, tau)),
-        evaluate(jet.motor_friction_torque(), tau),
-    ]
-}
+use stickslip::plant::{Rig, RigInputs, STATES, index::*};
 
 fn each_rig(mut check: impl FnMut(&str, Rig<f64>)) {
     for law in LAWS {
@@ -76,25 +25,11 @@ fn energy_is_neither_made_nor_lost() {
     each_rig(|name, rig| {
         let inputs = inputs_for(&rig);
         let mut run = common::start(&rig, 1e-13, [0.0; STATES], inputs).unwrap();
-        let (mut supplied, mut turned_over) = (0.0, 0.0);
-        while run.segment_end() < 6.0 {
-            let (from, to) = (run.segment_start(), run.segment_end());
-            for (node, weight) in GAUSS {
-                let tau = 0.5 * (to - from) * (1.0 + node);
-                let x = run.state_at(from + tau);
-                let share = 0.5 * (to - from) * weight;
-                supplied += share * net_power(&rig, inputs.voltage[0], &x, torques(&run, tau));
-                turned_over += share * (inputs.voltage[0] * x[CURRENT]).abs();
-            }
-            run.next_segment().unwrap();
-        }
-        let stored = stored_energy(&rig, &run.state_at(run.segment_start()));
-        let error = (supplied - stored).abs() / turned_over;
-        println!("{name:30} energy balance {error:.1e} of {turned_over:.1} J");
-        assert!(
-            error < 1e-11,
-            "{name}: {error:e} of {turned_over} J is missing"
-        );
+        let mut balance = EnergyBalance::new(&run);
+        balance.advance(&mut run, 6.0);
+        let error = balance.error(&run);
+        println!("{name:30} energy balance {error:.1e}");
+        assert!(error < 1e-11, "{name}: {error:e} is missing");
     });
 }
 

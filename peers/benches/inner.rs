@@ -10,7 +10,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use stickslip::integrator::{HybridSystem, Options, Simulation};
-use stickslip::plant::{Rig, RigInputs, STATES};
+use stickslip::plant::{Rig, RigInputs, STATES, sensitivities};
 use stickslip::series::first_loss_of_sign;
 
 /// Reference speed [rad/s] and normal force [N] of all runs.
@@ -164,5 +164,39 @@ fn dense_output(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(inner, expansion, events, dense_output);
+/// One second of the reference run from the same state, alone and with eight derivatives.
+fn derivatives(criterion: &mut Criterion) {
+    let (law, numbers) = LAWS[2];
+    let rig = *start(law, numbers, SLIPPING).system();
+    let inputs = RigInputs::held(rig.voltage_for_speed(SPEED), NORMAL_FORCE, 0.0);
+    let names = [
+        "disc.inertia",
+        "shaft.stiffness",
+        "shaft.damping",
+        "motor.resistance",
+        "motor.torque_constant",
+        "contact.mu_c",
+        "contact.mu_s",
+        "contact.omega_s",
+    ];
+    let mut group = criterion.benchmark_group("one second");
+    group.bench_function("plain", |bencher| {
+        bencher.iter(|| {
+            let options = Options::default();
+            let mut run = Simulation::new(rig, options, 0.0, black_box(SLIPPING), inputs)
+                .expect("the run starts");
+            run.advance_to(1.0).expect("the run goes on");
+            run.state_at(1.0)
+        });
+    });
+    group.bench_function("with eight derivatives", |bencher| {
+        bencher.iter(|| {
+            let state = black_box(SLIPPING);
+            sensitivities(&rig, &names, Options::default(), &state, &inputs, &[1.0])
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(inner, derivatives, expansion, events, dense_output);
 criterion_main!(inner);

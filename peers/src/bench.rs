@@ -1,9 +1,11 @@
 //! `peers bench`: every solver on every system.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
 
 #[cfg(feature = "diffsol")]
 use crate::diffsol_rig;
@@ -12,7 +14,7 @@ use crate::files::write_atomically;
 use crate::measurement::Run;
 use crate::report::{Findings, Reference, csv, equal_error_tables, page, run_table};
 use crate::systems::{self, System};
-use crate::{cvode, ours, plot, python};
+use crate::{cvode, gradients, ours, plot, python};
 
 /// Largest difference [rad] between independent converged solutions that still makes a reference.
 const REFERENCE_AGREEMENT: f64 = 1e-9;
@@ -67,30 +69,37 @@ pub fn run(options: &Options) -> Result<bool> {
         .filter(|s| options.systems.is_empty() || options.systems.iter().any(|key| key == s.key))
         .collect();
     let mut runs: Vec<Run> = Vec::new();
-    if wanted(Solver::Stickslip) {
-        for system in &systems {
-            eprintln!("system {}: {}", system.key, ours::NAME);
-            runs.extend(ours::sweep(system, effort)?);
-        }
-    }
-    if wanted(Solver::Cvode) {
-        let program = cvode::build()?;
-        for system in &systems {
-            eprintln!("system {}: {}", system.key, cvode::NAME);
-            runs.extend(cvode::sweep(&program, system, effort)?);
-        }
-    }
+    let mut gradients = Vec::new();
+    let program = wanted(Solver::Cvode).then(cvode::build).transpose()?;
+    let bar = progress(systems.len() as u64);
     for system in &systems {
+        let doing = |name: &str| bar.set_message(format!("system {}: {name}", system.key));
+        if wanted(Solver::Stickslip) {
+            doing(ours::NAME);
+            runs.extend(ours::sweep(system, effort)?);
+            bar.inc(1);
+            doing("derivatives");
+            gradients.push(gradients::cost(system, effort)?);
+        }
+        bar.inc(1);
+        if let Some(program) = &program {
+            doing(cvode::NAME);
+            runs.extend(cvode::sweep(program, system, effort)?);
+        }
+        bar.inc(1);
         #[cfg(feature = "diffsol")]
         if wanted(Solver::Diffsol) && diffsol_rig::knows(system) {
-            eprintln!("system {}: {}", system.key, diffsol_rig::NAME);
+            doing(diffsol_rig::NAME);
             runs.extend(diffsol_rig::sweep(system, effort)?);
         }
+        bar.inc(1);
         if wanted(Solver::Scipy) {
-            eprintln!("system {}: scipy", system.key);
+            doing("scipy");
             runs.extend(python::sweep(system, effort)?);
         }
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     let references = systems
         .iter()
         .map(|s| reference(s, &runs))
@@ -104,10 +113,12 @@ pub fn run(options: &Options) -> Result<bool> {
         systems,
         references,
         runs,
+        gradients,
         setting: setting(),
     };
     println!("{}", run_table(&findings));
     println!("{}", equal_error_tables(&findings, ours::NAME));
+    println!("{}", gradients::table(&findings.gradients));
     write_atomically(&options.out.join("work-precision.csv"), &csv(&findings))?;
     write_atomically(
         &options.out.join("work-precision.svg"),
@@ -174,6 +185,18 @@ fn reference(system: &System, runs: &[Run]) -> Result<Reference> {
     Ok(Reference { theta, provenance })
 }
 
+/// Steps of the benchmark for one system.
+const STEPS: u64 = 5;
+
+fn progress(systems: u64) -> ProgressBar {
+    let bar = ProgressBar::new(STEPS * systems);
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {elapsed} {msg}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(250));
+    bar
+}
+
 /// Prints each system's ratio at 1e-6 rad against its bar.
 fn bars_met(findings: &Findings) -> bool {
     let mut met = true;
@@ -189,6 +212,15 @@ fn bars_met(findings: &Findings) -> bool {
             system.bar
         );
         met &= ratio >= system.bar;
+    }
+    for cost in &findings.gradients {
+        let (ratio, bar) = (cost.ratio(), gradients::BAR);
+        let verdict = if ratio <= bar { "met" } else { "MISSED" };
+        println!(
+            "({}) eight derivatives: {ratio:.1} plain runs (bar {bar}: {verdict})",
+            cost.system
+        );
+        met &= ratio <= bar;
     }
     met
 }

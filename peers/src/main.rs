@@ -11,6 +11,7 @@ mod do_step;
 mod effort;
 mod files;
 mod fmu;
+mod gradients;
 mod measurement;
 mod ours;
 mod plot;

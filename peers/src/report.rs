@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::gradients::{self, Cost};
 use crate::measurement::{Run, time_at_error};
 use crate::systems::System;
 
@@ -16,6 +17,8 @@ pub struct Findings {
     pub references: Vec<Reference>,
     /// All runs.
     pub runs: Vec<Run>,
+    /// What derivatives cost.
+    pub gradients: Vec<Cost>,
     /// Lines on machine and versions.
     pub setting: Vec<String>,
 }
@@ -205,6 +208,8 @@ pub fn page(findings: &Findings, ours: &str) -> String {
         let _ = writeln!(text, "- {line}");
     }
     text.push_str(&equal_error_tables(findings, ours));
+    text.push('\n');
+    text.push_str(&gradients::table(&findings.gradients));
     text.push_str("\nAll runs: [work-precision.csv](work-precision.csv).\n");
     text
 }

@@ -130,6 +130,19 @@ impl<S: Scalar> Law<S> {
         }
     }
 
+    /// Level at high slip speed of the laws that have a constant one; zero for the others.
+    pub fn sliding(&self) -> S {
+        match self {
+            Self::Coulomb(law) => law.mu_c,
+            Self::CoulombStiction(law) => law.mu_c,
+            Self::Stribeck(law) => law.mu_c,
+            Self::Karnopp(law) => law.mu_c,
+            Self::Switch(law) => law.mu_c,
+            Self::Wojewoda(law) => law.mu_c,
+            Self::TwoGaussianTorque(_) | Self::TwoGaussianMu(_) => S::ZERO,
+        }
+    }
+
     /// Whether the level is a torque that does not scale with the normal force.
     pub fn is_torque(&self) -> bool {
         matches!(self, Self::TwoGaussianTorque(_))

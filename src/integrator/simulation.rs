@@ -19,6 +19,10 @@ const ROUNDING: f64 = 1e-11;
 /// would undo the switch, and the next rounding would do it again.
 const NEGATIVE_ROUNDING: f64 = 1e-8;
 
+/// Depth, in tolerances, to which a guard has to dip below zero to have been crossed and not just
+/// touched: whether such a switch happens is beyond the accuracy of the run.
+const GRAZING: f64 = 10.0;
+
 /// Share of the tolerance for segments without fast transients: they are as long as it allows, where
 /// the others are kept short, and so more accurate, by the fast modes.
 const SETTLED_SHARE: f64 = 0.01;
@@ -483,9 +487,14 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             self.end = End::Switch(guard.kind);
             // The switch moves with whatever the guard's value depends on.
             let tau = self.length;
-            let value = evaluate(&guard.series[..=order], tau);
-            let slope = evaluate_derivative(&guard.series[..=order], tau).value();
-            if slope.abs() > 1e-9 * guard.series[0].value().abs().max(1e-3) {
+            let series = &guard.series[..=order];
+            let value = evaluate(series, tau);
+            let slope = evaluate_derivative(series, tau).value();
+            let size = series[0].value().abs().max(1e-3);
+            let bend = second_derivative(series, step).max(0.0);
+            // It dips below zero by slope²/(2 bend) before it rises again.
+            let depth = GRAZING * self.options.tolerance * size;
+            if slope * slope > 2.0 * bend * depth && slope.abs() > 1e-9 * size {
                 self.length = tau - (value - value.value()) * (1.0 / slope);
             } else {
                 self.statistics.grazing += 1;
@@ -530,6 +539,15 @@ fn evaluate_all<S: Scalar>(series: &[Series<S>], order: usize, tau: S, values: &
     for (value, series) in left.iter_mut().zip(rest) {
         *value = evaluate(&series[..=order], tau);
     }
+}
+
+/// Second derivative of the polynomial with these coefficients at `tau`.
+fn second_derivative<S: Scalar>(coefficients: &[S], tau: f64) -> f64 {
+    let mut sum = 0.0;
+    for (k, c) in coefficients.iter().enumerate().skip(2).rev() {
+        sum = sum * tau + c.value() * (k * (k - 1)) as f64;
+    }
+    sum
 }
 
 /// The larger of two numbers; not a number if either is not.

@@ -8,6 +8,7 @@ use super::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA
 use super::inputs::recentre;
 use super::linear_parts::LinearParts;
 use super::slow_motion::{LOWEST_ORDER, SlowMotion};
+use super::tangent::Tangent;
 use super::{Coupling, Rig, RigGuard, RigInputs, RigMode, RigState, STATES};
 use crate::friction::{ContactMode, HARMONICS, Law, RandomFunction, Slip, SlipJet};
 use crate::integrator::Guard;
@@ -75,9 +76,13 @@ pub struct RigJet<S> {
     pub(super) voltage_is_constant: bool,
     pub(super) parts: LinearParts<S>,
     slow: SlowMotions<S>,
+    /// For numbers with derivatives and rigs without effects.
+    pub(super) tangent: Option<Box<Tangent<S>>>,
     pub(super) effects: Option<Box<EffectJet<S>>>,
     pub(super) guards: Vec<Guard<S, RigGuard>>,
     pub(super) order: usize,
+    /// Orders that the second pass of the last segment on the slow manifold corrected.
+    pub(super) corrected: usize,
 }
 
 /// Slow manifolds of the two rigs, by number of slow variables; `InUse` while one is at work.
@@ -133,6 +138,9 @@ impl<S: Scalar> RigJet<S> {
                 noise: zero,
             })
         });
+        let parts = LinearParts::new(rig);
+        let tangent =
+            (S::HAS_DERIVATIVES && effects.is_none()).then(|| Box::new(Tangent::new(rig, &parts)));
         Self {
             states: [zero; STATES],
             disc: PinJet::new(&rig.law),
@@ -144,7 +152,8 @@ impl<S: Scalar> RigJet<S> {
             twist: zero,
             voltage: zero,
             voltage_is_constant: true,
-            parts: LinearParts::new(rig),
+            parts,
+            tangent,
             slow: if rig.outer.is_some() {
                 SlowMotions::Full(Box::new(SlowMotion::new()))
             } else {
@@ -153,6 +162,7 @@ impl<S: Scalar> RigJet<S> {
             effects,
             guards: Vec::new(),
             order: 0,
+            corrected: 0,
         }
     }
 
@@ -192,7 +202,9 @@ impl<S: Scalar> Rig<S> {
     ) {
         let varying = self.start(time, state, inputs, order, jet);
         if jet.effects.is_none() {
-            self.expand_plain(mode, inputs, order, jet);
+            if !self.expand_tangent(mode, time, state, inputs, order, jet) {
+                self.expand_plain(mode, inputs, order, jet);
+            }
             self.set_guards(mode, jet);
             return;
         }
@@ -224,10 +236,10 @@ impl<S: Scalar> Rig<S> {
         let mut motions = std::mem::replace(&mut jet.slow, SlowMotions::InUse);
         let found = match &mut motions {
             SlowMotions::Reduced(work) => {
-                self.expand_slow_motion(mode, state, inputs, order, tolerance, work, jet)
+                self.expand_settled(mode, time, state, inputs, order, tolerance, work, jet)
             }
             SlowMotions::Full(work) => {
-                self.expand_slow_motion(mode, state, inputs, order, tolerance, work, jet)
+                self.expand_settled(mode, time, state, inputs, order, tolerance, work, jet)
             }
             SlowMotions::InUse => false,
         };

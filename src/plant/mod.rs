@@ -17,7 +17,9 @@ mod sections;
 mod sensitivity;
 mod slow_manifold;
 mod slow_motion;
+mod slow_tangent;
 mod switching;
+mod tangent;
 
 pub use crate::parameter::{ModelFileError, Parameter, Provenance};
 pub use effects::*;

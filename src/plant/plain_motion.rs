@@ -7,7 +7,7 @@ use super::expansion::{PinJet, SlipTemplate, contact_order};
 use super::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
 use super::{Rig, RigInputs, RigJet, RigMode};
 use crate::friction::{ContactMode, ExponentialCurve, Law, Regime};
-use crate::series::{RECIPROCAL, Scalar, Series, TERMS, convolution};
+use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
 
 /// A pin contact over one segment.
 pub(super) enum Pin<'a, S> {
@@ -90,8 +90,8 @@ impl<'a, S: Scalar> Pin<'a, S> {
                     return -((resisting + jet.torque[0]) * scale);
                 }
                 weighted[k] = -(rate * omega[k] * k as f64);
-                excess[k] = convolution(&weighted[1..k], &excess[1..k]) * RECIPROCAL[k]
-                    - omega[k] * (rate * excess[0]);
+                excess[k] =
+                    S::earlier_exponential(k, weighted, excess) - omega[k] * (rate * excess[0]);
                 jet.torque[k] = *load * excess[k];
                 -(resisting * scale) - (*load * scale) * excess[k]
             }

@@ -8,6 +8,7 @@ use super::plain_motion::Pin;
 use super::slow_manifold::{
     CURRENT, DISC, DISC_1, DiscMotion, MOTOR, Regimes, SlowManifold, TWIST, TWIST_1, dot,
 };
+use super::slow_tangent::{Owed, SlowVariation};
 use super::{INPUT_TERMS, RigInputs, RigMode, RigState};
 use crate::friction::{ContactMode, Regime};
 use crate::integrator::step_from_last_terms;
@@ -24,11 +25,13 @@ const SHARE: f64 = 0.01;
 /// The transformations of a rig, computed when they are first needed, and series to work on.
 #[derive(Clone, Debug)]
 pub(super) struct SlowMotion<S, const N: usize> {
+    /// For numbers with derivatives.
+    owed: Option<Box<Owed<S, N>>>,
     found: Vec<(Regimes, Option<SlowManifold<S, N>>)>,
     /// Coefficients of the transformed slow and fast variables and of the forcing of the fast ones.
-    slow: [[S; N]; TERMS],
-    fast: [[S; 2]; TERMS],
-    forcing: [[S; 2]; TERMS],
+    pub slow: [[S; N]; TERMS],
+    pub fast: [[S; 2]; TERMS],
+    pub forcing: [[S; 2]; TERMS],
 }
 
 /// What drives a segment beside the friction.
@@ -43,6 +46,7 @@ struct Drive<S> {
 impl<S: Scalar, const N: usize> SlowMotion<S, N> {
     pub fn new() -> Self {
         Self {
+            owed: S::HAS_DERIVATIVES.then(|| Box::new(Owed::new())),
             // A run meets three or four: disc and motor stuck and sliding.
             found: Vec::with_capacity(4),
             slow: [[S::ZERO; N]; TERMS],
@@ -78,6 +82,13 @@ impl<S: Scalar, const N: usize> SlowMotion<S, N> {
     }
 }
 
+fn regimes(mode: &RigMode) -> Regimes {
+    Regimes {
+        discs: [disc_motion(mode.disc), disc_motion(mode.disc1)],
+        motor_rests: mode.motor.is_stuck(),
+    }
+}
+
 fn disc_motion(mode: ContactMode) -> DiscMotion {
     match mode {
         ContactMode::Stuck => DiscMotion::Stuck,
@@ -87,6 +98,53 @@ fn disc_motion(mode: ContactMode) -> DiscMotion {
 }
 
 impl<S: Scalar> Rig<S> {
+    /// As [`Self::expand_slow_motion`], the derivatives by variational equations where that is possible.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn expand_settled<const N: usize>(
+        &self,
+        mode: &RigMode,
+        time: S,
+        state: &RigState<S>,
+        inputs: &RigInputs<S>,
+        order: usize,
+        tolerance: f64,
+        work: &mut SlowMotion<S, N>,
+        jet: &mut RigJet<S>,
+    ) -> bool {
+        let pins = jet.tangent.is_some().then(|| self.pin_tangents(mode, jet));
+        let Some((disc, disc1)) = pins.flatten() else {
+            return self.expand_slow_motion(mode, state, inputs, order, tolerance, work, jet);
+        };
+        let (Some(mut tangent), Some(mut owed)) = (jet.tangent.take(), work.owed.take()) else {
+            return false;
+        };
+        tangent.set_tolerance(tolerance, order);
+        let mut found = tangent.rig.expand_without_transients(
+            mode,
+            time.value(),
+            &state.map(S::value),
+            &inputs.lift(),
+            order,
+            tolerance,
+            &mut tangent.jet,
+        );
+        if found && let Some(manifold) = owed.manifold(&tangent.jet.parts, regimes(mode)) {
+            let variation = SlowVariation {
+                mode,
+                inputs,
+                tangent: &tangent,
+                manifold: &manifold,
+                disc: &disc,
+                disc1: disc1.as_ref(),
+                corrected: tangent.jet.corrected,
+            };
+            found = variation.expand(state, order, tolerance, work, &mut owed, jet);
+        }
+        jet.tangent = Some(tangent);
+        work.owed = Some(owed);
+        found
+    }
+
     /// Fills `jet`, whose inputs are in place, with the motion on the slow manifold if `state` lies on
     /// it within `tolerance` (absolute, relative to 1 + |x|); whether it does.
     #[allow(clippy::too_many_arguments)]
@@ -107,10 +165,7 @@ impl<S: Scalar> Rig<S> {
                 Some(direction.sign())
             }
         };
-        let regimes = Regimes {
-            discs: [disc_motion(mode.disc), disc_motion(mode.disc1)],
-            motor_rests: motor_sign.is_none(),
-        };
+        let regimes = regimes(mode);
         let Some(manifold) = work.manifold(&parts, regimes) else {
             return false;
         };
@@ -160,6 +215,7 @@ impl<S: Scalar> Rig<S> {
         self.pass(&manifold, &drive, pins, known..order + 1, work, jet);
         work.follow(&manifold, order);
 
+        jet.corrected = 0;
         if drive.driven[0] || (N > DISC_1 && drive.driven[1]) {
             let again = if !S::HAS_DERIVATIVES
                 && pins.iter().flatten().all(|pin| pin.is_free_of_torques())
@@ -168,6 +224,7 @@ impl<S: Scalar> Rig<S> {
             } else {
                 order + 1
             };
+            jet.corrected = again;
             self.pass(&manifold, &drive, pins, 0..again, work, jet);
             work.follow(&manifold, again - 1);
         }

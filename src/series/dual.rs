@@ -1,6 +1,7 @@
 //! Dual numbers: a value with its derivatives with respect to `N` quantities.
 
 use super::Scalar;
+use super::power_series::{RECIPROCAL, TERMS};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// A value and its `N` forward derivatives.
@@ -24,6 +25,72 @@ fn each<const N: usize>(derivative: impl Fn(usize) -> f64) -> [f64; N] {
         *d = derivative(i);
     }
     derivatives
+}
+
+/// Σ over j < `count` of the products factor × derivatives that `terms` gives, a few slots at a time
+/// so that their sums stay in registers.
+#[inline(always)]
+fn weighted_sum<'a, const N: usize, const M: usize>(
+    count: usize,
+    terms: impl Fn(usize) -> [(f64, &'a [f64; N]); M],
+) -> [f64; N] {
+    let mut sums = [0.0; N];
+    let (eights, rest) = sums.as_chunks_mut::<8>();
+    let done = 8 * eights.len();
+    for (block, sum) in eights.iter_mut().enumerate() {
+        *sum = block_sum(
+            count,
+            |j, m| {
+                let (factor, derivatives) = terms(j)[m];
+                (factor, &derivatives.as_chunks::<8>().0[block])
+            },
+            M,
+        );
+    }
+    let (fours, ones) = rest.as_chunks_mut::<4>();
+    let left = ones.len();
+    for sum in fours.iter_mut() {
+        *sum = block_sum(
+            count,
+            |j, m| {
+                let (factor, derivatives) = terms(j)[m];
+                (factor, &derivatives[done..].as_chunks::<4>().0[0])
+            },
+            M,
+        );
+    }
+    for (place, sum) in ones.iter_mut().enumerate() {
+        let slot = N - left + place;
+        for j in 0..count {
+            for (factor, derivatives) in terms(j) {
+                *sum += factor * derivatives[slot];
+            }
+        }
+    }
+    sums
+}
+
+/// Σ over j < `count` and m < `products` of factor × derivatives.
+#[inline(always)]
+fn block_sum<'a, const W: usize>(
+    count: usize,
+    term: impl Fn(usize, usize) -> (f64, &'a [f64; W]),
+    products: usize,
+) -> [f64; W] {
+    let mut sums = [0.0; W];
+    for j in 0..count {
+        let mut now = [0.0; W];
+        for m in 0..products {
+            let (factor, derivatives) = term(j, m);
+            for (sum, derivative) in now.iter_mut().zip(derivatives) {
+                *sum += factor * derivative;
+            }
+        }
+        for (sum, now) in sums.iter_mut().zip(now) {
+            *sum += now;
+        }
+    }
+    sums
 }
 
 impl<const N: usize> Dual<N> {
@@ -68,6 +135,103 @@ impl<const N: usize> Scalar for Dual<N> {
                 .fold(0.0_f64, |size, x| size.max(x.derivative[slot].abs()))
         };
         (0..N).all(|slot| largest(differences, slot) <= tolerance * largest(reference, slot))
+    }
+    #[inline(always)]
+    fn with_value(self, value: f64) -> Self {
+        Self {
+            value,
+            derivative: self.derivative,
+        }
+    }
+    #[inline(always)]
+    fn set_value(&mut self, value: f64) {
+        self.value = value;
+    }
+    #[inline(always)]
+    fn combined<const M: usize>(terms: [(f64, &Self); M]) -> Self {
+        Self {
+            value: 0.0,
+            derivative: weighted_sum(M, |j| [(terms[j].0, &terms[j].1.derivative)]),
+        }
+    }
+    #[inline(always)]
+    fn weighted(factors: &[f64], numbers: &[Self]) -> Self {
+        let n = factors.len().min(numbers.len());
+        let (factors, numbers) = (&factors[..n], &numbers[..n]);
+        Self {
+            value: 0.0,
+            derivative: weighted_sum(n, |j| [(factors[j], &numbers[j].derivative)]),
+        }
+    }
+    #[inline(always)]
+    fn filtered(factors: &[f64], numbers: &[Self]) -> Self {
+        let n = factors.len().min(numbers.len());
+        let (factors, numbers) = (&factors[..n], &numbers[..n]);
+        Self {
+            value: 0.0,
+            derivative: weighted_sum(n, |j| [(factors[n - 1 - j], &numbers[j].derivative)]),
+        }
+    }
+    #[inline]
+    fn convolution(a: &[Self], b: &[Self]) -> Self {
+        let n = a.len().min(b.len());
+        let (a, b) = (&a[..n], &b[..n]);
+        let mut sums = [0.0; 4];
+        for j in 0..n {
+            sums[j % 4] += a[j].value * b[n - 1 - j].value;
+        }
+        Self {
+            value: (sums[0] + sums[1]) + (sums[2] + sums[3]),
+            derivative: weighted_sum(n, |j| {
+                let (a, b) = (&a[j], &b[n - 1 - j]);
+                [(b.value, &a.derivative), (a.value, &b.derivative)]
+            }),
+        }
+    }
+    /// Since d exp(q) = exp(q) dq, one product per term does where differentiating the sum takes two.
+    #[inline]
+    fn earlier_exponential(k: usize, weighted: &[Self], e: &[Self]) -> Self {
+        if e[0].value == 0.0 {
+            return Self::convolution(&weighted[1..k], &e[1..k]) * RECIPROCAL[k];
+        }
+        let (weighted, e) = (&weighted[..k], &e[..k]);
+        let mut value = 0.0;
+        for j in 1..k {
+            value += weighted[j].value * e[k - j].value;
+        }
+        value *= RECIPROCAL[k];
+        let mut derivative = weighted_sum(k.max(1) - 1, |j| {
+            let j = j + 1;
+            [(e[k - j].value * RECIPROCAL[j], &weighted[j].derivative)]
+        });
+        // The derivatives of the leading coefficient move all others in proportion.
+        let share = value / e[0].value;
+        for (sum, first) in derivative.iter_mut().zip(&e[0].derivative) {
+            *sum += share * first;
+        }
+        Self { value, derivative }
+    }
+    #[inline]
+    fn polynomial(coefficients: &[Self], tau: Self) -> Self {
+        // Few of the last orders carry derivatives where these are computed apart.
+        let mut carried = coefficients.len();
+        while carried > 0 && coefficients[carried - 1].derivative == [0.0; N] {
+            carried -= 1;
+        }
+        let mut powers = [1.0; TERMS];
+        for k in 1..carried {
+            powers[k] = powers[k - 1] * tau.value;
+        }
+        let (mut value, mut slope) = (0.0, 0.0);
+        for c in coefficients.iter().rev() {
+            slope = slope * tau.value + value;
+            value = value * tau.value + c.value;
+        }
+        let mut derivative = weighted_sum(carried, |k| [(powers[k], &coefficients[k].derivative)]);
+        for (sum, shift) in derivative.iter_mut().zip(&tau.derivative) {
+            *sum += slope * shift;
+        }
+        Self { value, derivative }
     }
     fn exp(self) -> Self {
         let e = libm::exp(self.value);

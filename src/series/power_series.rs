@@ -20,32 +20,15 @@ pub const RECIPROCAL: [f64; TERMS] = {
 };
 
 /// Σ a\[j\] b\[last − j\] over the whole of two slices of equal length.
-///
-/// Four accumulators: the sum is otherwise bound by the latency of the addition.
 #[inline(always)]
 pub fn convolution<S: Scalar>(a: &[S], b: &[S]) -> S {
-    let n = a.len().min(b.len());
-    let (a, b) = (&a[..n], &b[..n]);
-    let mut sums = [S::ZERO; 4];
-    let mut j = 0;
-    while j + 4 <= n {
-        sums[0] += a[j] * b[n - 1 - j];
-        sums[1] += a[j + 1] * b[n - 2 - j];
-        sums[2] += a[j + 2] * b[n - 3 - j];
-        sums[3] += a[j + 3] * b[n - 4 - j];
-        j += 4;
-    }
-    while j < n {
-        sums[0] += a[j] * b[n - 1 - j];
-        j += 1;
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
+    S::convolution(a, b)
 }
 
 /// Coefficient `k` ≥ 1 of e = exp(q), from `weighted`\[j\] = j q\[j\] (j ≤ k) and e\[0..k\].
 #[inline(always)]
 pub fn exponential<S: Scalar>(k: usize, weighted: &Series<S>, e: &Series<S>) -> S {
-    convolution(&weighted[1..=k], &e[..k]) * RECIPROCAL[k]
+    S::earlier_exponential(k, weighted, e) + weighted[k] * e[0] * RECIPROCAL[k]
 }
 
 /// Coefficients `k` ≥ 1 of (cos φ, sin φ) from `weighted`\[j\] = j φ\[j\] (j ≤ k).
@@ -61,21 +44,10 @@ pub fn cosine_sine<S: Scalar>(
     (c, s)
 }
 
-/// Value of the polynomial with these coefficients at `tau`: even and odd powers side by side, as
-/// one chain of Horner's scheme waits on itself.
+/// Value of the polynomial with these coefficients at `tau`.
 #[inline(always)]
 pub fn evaluate<S: Scalar>(coefficients: &[S], tau: S) -> S {
-    let square = tau * tau;
-    let (mut even, mut odd) = (S::ZERO, S::ZERO);
-    let pairs = coefficients.chunks_exact(2);
-    if let [last] = pairs.remainder() {
-        even = *last;
-    }
-    for pair in pairs.rev() {
-        even = even * square + pair[0];
-        odd = odd * square + pair[1];
-    }
-    even + odd * tau
+    S::polynomial(coefficients, tau)
 }
 
 /// A lower bound on \[0, `width`\] of the polynomial with these coefficients: the value that it

@@ -1,5 +1,6 @@
 //! The number types that a simulation can run on.
 
+use super::power_series::RECIPROCAL;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -36,6 +37,23 @@ pub trait Scalar:
     /// Whether, for each quantity differentiated by, the derivatives of `differences` are at most
     /// `tolerance` × the largest derivative among `reference`. True for numbers without derivatives.
     fn derivatives_vanish(differences: &[Self], reference: &[Self], tolerance: f64) -> bool;
+    /// The same derivatives with another value.
+    fn with_value(self, value: f64) -> Self;
+    /// Replaces the value and keeps the derivatives.
+    fn set_value(&mut self, value: f64);
+    /// The derivatives of Σ factor × number, the factors held; the value is left zero.
+    fn combined<const M: usize>(terms: [(f64, &Self); M]) -> Self;
+    /// As [`Self::combined`] for two slices of equal length.
+    fn weighted(factors: &[f64], numbers: &[Self]) -> Self;
+    /// As [`Self::combined`] for Σ factors\[last − j\] numbers\[j\].
+    fn filtered(factors: &[f64], numbers: &[Self]) -> Self;
+    /// Σ a\[j\] b\[last − j\] over the whole of two slices of equal length.
+    fn convolution(a: &[Self], b: &[Self]) -> Self;
+    /// Σ weighted\[j\] e\[k − j\]/k over 0 < j < k: coefficient `k` of e = exp(q), where
+    /// `weighted`\[j\] = j q\[j\], short of its one term in q\[k\].
+    fn earlier_exponential(k: usize, weighted: &[Self], e: &[Self]) -> Self;
+    /// Value of the polynomial with these coefficients, at most [`TERMS`](super::TERMS) of them, at `tau`.
+    fn polynomial(coefficients: &[Self], tau: Self) -> Self;
     /// Natural exponential.
     fn exp(self) -> Self;
     /// Natural logarithm.
@@ -68,6 +86,65 @@ impl Scalar for f64 {
     #[inline(always)]
     fn derivatives_vanish(_: &[Self], _: &[Self], _: f64) -> bool {
         true
+    }
+    #[inline(always)]
+    fn with_value(self, value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn set_value(&mut self, value: f64) {
+        *self = value;
+    }
+    #[inline(always)]
+    fn combined<const M: usize>(_: [(f64, &Self); M]) -> Self {
+        0.0
+    }
+    #[inline(always)]
+    fn weighted(_: &[f64], _: &[Self]) -> Self {
+        0.0
+    }
+    #[inline(always)]
+    fn filtered(_: &[f64], _: &[Self]) -> Self {
+        0.0
+    }
+    #[inline(always)]
+    fn convolution(a: &[Self], b: &[Self]) -> Self {
+        // Four accumulators: the sum is otherwise bound by the latency of the addition.
+        let n = a.len().min(b.len());
+        let (a, b) = (&a[..n], &b[..n]);
+        let mut sums = [0.0; 4];
+        let mut j = 0;
+        while j + 4 <= n {
+            sums[0] += a[j] * b[n - 1 - j];
+            sums[1] += a[j + 1] * b[n - 2 - j];
+            sums[2] += a[j + 2] * b[n - 3 - j];
+            sums[3] += a[j + 3] * b[n - 4 - j];
+            j += 4;
+        }
+        while j < n {
+            sums[0] += a[j] * b[n - 1 - j];
+            j += 1;
+        }
+        (sums[0] + sums[1]) + (sums[2] + sums[3])
+    }
+    #[inline(always)]
+    fn earlier_exponential(k: usize, weighted: &[Self], e: &[Self]) -> Self {
+        Self::convolution(&weighted[1..k], &e[1..k]) * RECIPROCAL[k]
+    }
+    #[inline(always)]
+    fn polynomial(coefficients: &[Self], tau: Self) -> Self {
+        // Even and odd powers side by side, as one chain of Horner's scheme waits on itself.
+        let square = tau * tau;
+        let (mut even, mut odd) = (0.0, 0.0);
+        let pairs = coefficients.chunks_exact(2);
+        if let [last] = pairs.remainder() {
+            even = *last;
+        }
+        for pair in pairs.rev() {
+            even = even * square + pair[0];
+            odd = odd * square + pair[1];
+        }
+        even + odd * tau
     }
     #[inline]
     fn exp(self) -> Self {

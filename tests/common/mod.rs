@@ -5,6 +5,8 @@
 )]
 #![allow(dead_code, reason = "every test file uses its own part")]
 
+pub mod energy;
+
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, STATES};
 use stickslip::series::Scalar;
