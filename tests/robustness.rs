@@ -262,14 +262,17 @@ fn what_cannot_go_on_says_why() {
     );
 }
 
-/// The smallest force at which the disc comes to rest within 3 s, and the largest at which it does not.
+/// Time [s] within which the disc is slowest for the first time; later swings grow.
+const TOUCH: f64 = 1.0;
+
+/// The largest force at which the disc does not come to rest in that time, and the smallest at which it does.
 fn around_grazing(rig: &Rig<f64>, state: [f64; STATES]) -> (f64, f64) {
     let (mut free, mut rests) = (0.0, 60.0);
     while rests - free > 1e-13 * rests {
         let force = 0.5 * (free + rests);
         let inputs = RigInputs::held(rig.voltage_for_speed(5.76), force, 0.0);
         let mut run = common::start(rig, 1e-12, state, inputs).unwrap();
-        run.advance_to(3.0).unwrap();
+        run.advance_to(TOUCH).unwrap();
         if run.statistics().switches > 0 {
             rests = force;
         } else {
@@ -283,18 +286,15 @@ fn around_grazing(rig: &Rig<f64>, state: [f64; STATES]) -> (f64, f64) {
 fn a_disc_that_just_touches_rest() {
     let mut state = [0.0; STATES];
     state[..5].copy_from_slice(&[2.6, 5.0, 2.0, 5.0, 1.5]);
-    for law in LAWS {
+    for law in [common::law("coulomb"), common::law("coulomb_stiction")] {
         let rig = common::rig(false, law, "");
-        if rig.law.has_branches() {
-            continue; // It switches between its branches before.
-        }
         let (free, rests) = around_grazing(&rig, state);
         let mut counted = Vec::new();
         for force in [free, rests, rests * (1.0 + 1e-3)] {
             let inputs = RigInputs::held(rig.voltage_for_speed(5.76), force, 0.0);
             let mut run = common::start(&rig, 1e-12, state, inputs).unwrap();
             let mut balance = EnergyBalance::new(&run);
-            balance.advance(&mut run, 3.0);
+            balance.advance(&mut run, TOUCH);
             let error = balance.error(&run);
             println!("{:20} {force} N: energy balance {error:.1e}", law.0);
             assert!(error < ENERGY, "{}: {error:e} is missing", law.0);

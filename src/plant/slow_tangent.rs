@@ -106,7 +106,7 @@ impl<S: Scalar, const N: usize> SlowVariation<'_, S, N> {
             self.follow(corrected - 1, work);
         }
         let missed = [work.fast[0][0] - fast[0], work.fast[0][1] - fast[1]];
-        if !S::derivatives_vanish(&missed, state, tolerance.max(10.0 * ACCURACY)) {
+        if !S::derivatives_vanish(&missed, state, tolerance.max(ACCURACY)) {
             return false;
         }
         self.assemble(top, order, work, jet);

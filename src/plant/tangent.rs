@@ -97,7 +97,8 @@ impl<S: Scalar> Tangent<S> {
         }
     }
 
-    /// Number of the last order, up to `order`, whose derivatives tell in the segment just expanded.
+    /// Number of the last order, up to `order`, whose derivatives tell in the segment just expanded, if
+    /// they are as free of transients as the motion.
     pub fn orders(&self, order: usize) -> usize {
         if self.tolerance == 0.0 {
             return order;
@@ -313,13 +314,11 @@ impl<S: Scalar> Rig<S> {
             order,
             &mut tangent.jet,
         );
-        let top = tangent.orders(order);
         if let Some(disc1) = &disc1 {
-            vary::<S, true>(mode, inputs, top, &tangent, &disc, disc1, jet);
+            vary::<S, true>(mode, inputs, order, &tangent, &disc, disc1, jet);
         } else {
-            vary::<S, false>(mode, inputs, top, &tangent, &disc, &disc, jet);
+            vary::<S, false>(mode, inputs, order, &tangent, &disc, &disc, jet);
         }
-        tangent.beyond(top, order, jet);
         jet.tangent = Some(tangent);
         true
     }
