@@ -13,7 +13,7 @@ use super::fit::Data;
 use super::record_check::{Checked, RecordProblem, check};
 use super::run::Run;
 use super::sensors::{SensorError, Sensors};
-use super::window::windows;
+use super::window::{Begin, windows};
 use crate::component::closest;
 use crate::files::record::{Missing, Record, RecordError};
 
@@ -262,22 +262,22 @@ impl Case {
     /// The records to learn from, cut into windows.
     #[must_use]
     pub fn training(&self) -> Data {
-        self.data(&self.runs)
+        self.data(&self.runs, Begin::Clear)
     }
 
-    /// The record to judge on, cut into windows.
+    /// The record to judge on, cut into windows that start as `begin` wants it.
     #[must_use]
-    pub fn judging(&self) -> Data {
-        self.data(&self.held_out)
+    pub fn judging(&self, begin: Begin) -> Data {
+        self.data(&self.held_out, begin)
     }
 
-    fn data(&self, runs: &[Run]) -> Data {
+    fn data(&self, runs: &[Run], begin: Begin) -> Data {
         let motor = &self.model.rig;
         let back_emf = motor.gearbox.ratio * motor.motor.back_emf_constant;
         let windows = runs
             .iter()
             .enumerate()
-            .flat_map(|(index, run)| windows(index, run, back_emf, motor.motor.resistance))
+            .flat_map(|(index, run)| windows(index, run, back_emf, motor.motor.resistance, begin))
             .collect();
         Data {
             runs: std::sync::Arc::new(runs.to_vec()),

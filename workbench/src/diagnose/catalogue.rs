@@ -391,6 +391,11 @@ impl Entry {
         )
     }
 
+    /// Whether it takes many starts with many free numbers to fit the effect.
+    pub fn is_costly(&self) -> bool {
+        matches!(self.form, Form::Hysteresis)
+    }
+
     /// Whether the effect cannot grow from nothing in small steps, so that a poor start says little.
     pub fn is_nonlinear(&self) -> bool {
         match self.form {

@@ -3,7 +3,8 @@
 use super::catalogue::entry;
 use super::fit::{Data, Fit, fit};
 use super::hypothesis::{Estimate, Hypothesis};
-use super::search::{Tried, first_look, folds, gain, try_all};
+use super::robust::Robust;
+use super::search::{Tried, fit_entry, folds, gain, try_all};
 use super::structure::{Structure, structures};
 
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all
@@ -99,7 +100,7 @@ pub enum Progress<'a> {
 /// Fits the analyst's model within the stated uncertainty of its parameters.
 pub fn fit_base(data: &Data, hypothesis: Hypothesis) -> Fit {
     let starts = data.windows.iter().map(|window| window.anchor).collect();
-    fit(data, hypothesis, starts, 15)
+    fit(data, hypothesis, starts, 15, Robust::JUDGING)
 }
 
 /// Finds what is missing in `hypothesis`; effects named in `without` are not considered.
@@ -272,19 +273,7 @@ fn drop_superfluous(
 
 /// The best fit of one named effect on top of `base`.
 pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
-    let entry = entry(name)?;
-    let mut best: Option<Fit> = None;
-    for start in entry.starts(&base.hypothesis, true) {
-        if start.dimension() > super::gram::MOST_FREE {
-            continue;
-        }
-        let look = first_look(data, start, base, true);
-        let fitted = fit(data, look.hypothesis, look.starts, 25);
-        if best.as_ref().is_none_or(|b| fitted.loss < b.loss) {
-            best = Some(fitted);
-        }
-    }
-    best
+    fit_entry(data, base, entry(name)?)
 }
 
 fn has_structure(data: &Data, fit: &Fit, structures: &[Structure]) -> bool {

@@ -9,9 +9,10 @@ use super::fit::{Data, Fit, grams, normal_equations, reduced};
 use super::hypothesis::Hypothesis;
 use super::marginal::Disturbance;
 use super::restart::{best_starts, course};
+use super::robust::Robust;
 use super::run::Run;
 use super::sensors::Sensors;
-use super::window::windows;
+use super::window::{Begin, windows};
 use crate::component::{ComponentError, Native};
 use crate::files::record::{Record, RecordError};
 
@@ -147,7 +148,7 @@ fn distance(right: &Fit, wrong: &Fit, candidate: &Inputs, sensors: &Sensors) -> 
     let run = predicted(&rig, candidate).ok()?;
     let back_emf = rig.gearbox.ratio * rig.motor.back_emf_constant;
     let data = Data {
-        windows: windows(0, &run, back_emf, rig.motor.resistance),
+        windows: windows(0, &run, back_emf, rig.motor.resistance, Begin::Clear),
         runs: std::sync::Arc::new(vec![run]),
         deviations: sensors.deviations(),
     };
@@ -214,8 +215,12 @@ fn remaining(data: &Data, hypothesis: &Hypothesis, disturbance: &Disturbance) ->
         disturbance,
     );
     let precisions = hypothesis.prior_precisions();
-    let (curvature, gradient) =
-        normal_equations(forms.iter().flatten(), &precisions, &hypothesis.x);
+    let (curvature, gradient) = normal_equations(
+        forms.iter().flatten(),
+        &precisions,
+        &hypothesis.x,
+        Robust::JUDGING,
+    );
     let Some(step) = curvature.clone().cholesky().map(|c| c.solve(&gradient)) else {
         return f64::INFINITY;
     };
@@ -267,7 +272,7 @@ mod tests {
     fn data(run: Run, rig: &Rig<f64>, sensors: &Sensors) -> Data {
         let back_emf = rig.gearbox.ratio * rig.motor.back_emf_constant;
         Data {
-            windows: windows(0, &run, back_emf, rig.motor.resistance),
+            windows: windows(0, &run, back_emf, rig.motor.resistance, Begin::Clear),
             runs: Arc::new(vec![run]),
             deviations: sensors.deviations(),
         }

@@ -3,6 +3,7 @@
 use super::gram::{FEW_SLOTS, FIRST_FREE, Gram, MANY_SLOTS, window_gram};
 use super::hypothesis::Hypothesis;
 use super::marginal::{Disturbance, Reduced, reduce};
+use super::robust::Robust;
 use super::run::{CHANNELS, Run};
 use super::window::{START_COMPONENTS, Window};
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -10,8 +11,6 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use stickslip::plant::RigState;
 
-/// Residual size, relative to noise, above which a window counts linearly, not quadratically.
-const ROBUST: f64 = 4.0;
 /// Relative decrease of the loss below which a fit has converged.
 const CONVERGED: f64 = 1e-6;
 
@@ -48,23 +47,12 @@ pub struct Fit {
     pub grams: Vec<Option<Gram>>,
     /// Random disturbance that goes with the fit.
     pub disturbance: Disturbance,
+    /// Bounded loss by which the fit is judged.
+    pub judging: Robust,
     /// −2 ln likelihood plus prior.
     pub loss: f64,
     /// Steps taken.
     pub iterations: usize,
-}
-
-/// Robust version of a window's sum of squares and the weight of its derivatives.
-pub fn robust(square: f64, residuals: usize) -> (f64, f64) {
-    let size = (square / residuals as f64).sqrt();
-    if size <= ROBUST {
-        (square, 1.0)
-    } else {
-        (
-            residuals as f64 * ROBUST * (2.0 * size - ROBUST),
-            ROBUST / size,
-        )
-    }
 }
 
 fn offset(start: &RigState<f64>, window: &Window) -> [f64; START_COMPONENTS.len()] {
@@ -128,15 +116,8 @@ pub fn reduced(
 /// Loss of a window that the model could not run through: worse than any that it could.
 pub const FAILED: f64 = 1e5;
 
-fn total_loss(reduced: &[Option<Reduced>], hypothesis: &Hypothesis) -> f64 {
-    let windows: f64 = reduced
-        .iter()
-        .map(|r| {
-            r.as_ref().map_or(FAILED, |r| {
-                robust(r.square, r.residuals).0 + r.log_determinant
-            })
-        })
-        .sum();
+fn total_loss(reduced: &[Option<Reduced>], hypothesis: &Hypothesis, robust: Robust) -> f64 {
+    let windows: f64 = reduced.iter().map(|form| window_loss(form, robust)).sum();
     windows + prior_loss(hypothesis)
 }
 
@@ -155,6 +136,7 @@ fn best_disturbance(
     starts: &[RigState<f64>],
     grams: &[Option<Gram>],
     hypothesis: &Hypothesis,
+    robust: Robust,
 ) -> Disturbance {
     let mut best = (f64::INFINITY, Disturbance::NONE);
     for relative in [0.0, 0.003, 0.006, 0.012, 0.02, 0.03, 0.045, 0.065, 0.1] {
@@ -162,7 +144,11 @@ fn best_disturbance(
             relative,
             ..Disturbance::NONE
         };
-        let loss = total_loss(&reduced(data, starts, grams, &disturbance), hypothesis);
+        let loss = total_loss(
+            &reduced(data, starts, grams, &disturbance),
+            hypothesis,
+            robust,
+        );
         if loss < best.0 {
             best = (loss, disturbance);
         }
@@ -173,9 +159,9 @@ fn best_disturbance(
 /// Loss that a window may gain in a step before other starts are tried for it.
 const SUSPECT: f64 = 6.0;
 
-fn window_loss(form: &Option<Reduced>) -> f64 {
+fn window_loss(form: &Option<Reduced>, robust: Robust) -> f64 {
     form.as_ref().map_or(FAILED, |r| {
-        robust(r.square, r.residuals).0 + r.log_determinant
+        robust.loss(r.square, r.residuals) + r.log_determinant
     })
 }
 
@@ -186,6 +172,7 @@ fn rescue(
     data: &Data,
     hypothesis: &Hypothesis,
     disturbance: &Disturbance,
+    robust: Robust,
     before: &[Option<Reduced>],
     fallback: &[RigState<f64>],
     starts: &mut [RigState<f64>],
@@ -194,17 +181,14 @@ fn rescue(
 ) {
     let worse: Vec<usize> = (0..forms.len())
         .filter(|&j| {
-            window_loss(&forms[j]) > window_loss(&before[j]) + SUSPECT && starts[j] != fallback[j]
+            window_loss(&forms[j], robust) > window_loss(&before[j], robust) + SUSPECT
+                && starts[j] != fallback[j]
         })
         .collect();
     if worse.is_empty() {
         return;
     }
-    let part = Data {
-        runs: Arc::clone(&data.runs),
-        windows: worse.iter().map(|&j| data.windows[j].clone()).collect(),
-        deviations: data.deviations,
-    };
+    let part = data.part(&worse);
     let part_starts: Vec<RigState<f64>> = worse.iter().map(|&j| fallback[j]).collect();
     let part_grams = grams(&part, hypothesis, &part_starts);
     let part_forms = reduced(&part, &part_starts, &part_grams, disturbance);
@@ -214,26 +198,67 @@ fn rescue(
         .zip(part_grams)
         .zip(part_forms)
     {
-        if window_loss(&form) < window_loss(&forms[j]) {
+        if window_loss(&form, robust) < window_loss(&forms[j], robust) {
             (starts[j], window_grams[j], forms[j]) = (start, gram, form);
         }
     }
 }
 
-/// Fits `hypothesis` from its present values and the given window starts.
+/// The step that the quadratic forms suggest within what a step may change ([`Hypothesis::step_range`]): numbers that
+/// would leave it stop at its end, and the others move as is best then.
+fn bounded_step(
+    hypothesis: &Hypothesis,
+    curvature: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+) -> Option<DVector<f64>> {
+    let ranges = hypothesis.step_ranges();
+    let mut step = DVector::zeros(gradient.len());
+    let mut open: Vec<usize> = (0..gradient.len()).collect();
+    while !open.is_empty() {
+        let n = open.len();
+        let own = DMatrix::from_fn(n, n, |i, j| curvature[(open[i], open[j])]);
+        let pull = DVector::from_fn(n, |i, _| {
+            let held: f64 = (0..step.len())
+                .filter(|j| !open.contains(j))
+                .map(|j| curvature[(open[i], j)] * step[j])
+                .sum();
+            gradient[open[i]] - held
+        });
+        let solved = Cholesky::new(own)?.solve(&pull);
+        let mut still_open = Vec::with_capacity(n);
+        for (&at, &wanted) in open.iter().zip(&solved) {
+            let (low, high) = ranges[at];
+            step[at] = wanted.clamp(low, high);
+            if step[at] == wanted {
+                still_open.push(at);
+            }
+        }
+        if still_open.len() == n {
+            break;
+        }
+        open = still_open;
+    }
+    Some(step)
+}
+
+/// Fits `hypothesis` from its present values and the given window starts. On the way the windows' own sizes say which
+/// of them count; the loss of the result is that of `judging`.
 pub fn fit(
     data: &Data,
     hypothesis: Hypothesis,
     starts: Vec<RigState<f64>>,
     most_iterations: usize,
+    judging: Robust,
 ) -> Fit {
     let mut hypothesis = hypothesis;
     hypothesis.clamp();
     let mut starts = starts;
     let mut present = grams(data, &hypothesis, &starts);
-    let mut disturbance = best_disturbance(data, &starts, &present, &hypothesis);
+    let undisturbed = reduced(data, &starts, &present, &Disturbance::NONE);
+    let mut robust = Robust::adapted(&undisturbed);
+    let mut disturbance = best_disturbance(data, &starts, &present, &hypothesis, robust);
     let mut forms = reduced(data, &starts, &present, &disturbance);
-    let mut loss = total_loss(&forms, &hypothesis);
+    let mut loss = total_loss(&forms, &hypothesis, robust);
     let anchors: Vec<RigState<f64>> = data.windows.iter().map(|window| window.anchor).collect();
     let mut damping = 1e-4;
     let mut iterations = 0;
@@ -244,16 +269,16 @@ pub fn fit(
             forms.iter().flatten(),
             &hypothesis.prior_precisions(),
             &hypothesis.x,
+            robust,
         );
         let mut damped = curvature.clone();
         for j in 0..damped.nrows() {
             damped[(j, j)] *= 1.0 + damping;
         }
-        let Some(cholesky) = Cholesky::new(damped) else {
+        let Some(step) = bounded_step(&hypothesis, &damped, &gradient) else {
             break;
         };
         let mut trial = hypothesis.clone();
-        let step = cholesky.solve(&gradient);
         for (x, d) in trial.x.iter_mut().zip(step.iter()) {
             *x += d;
         }
@@ -265,16 +290,10 @@ pub fn fit(
         let mut trial_starts: Vec<RigState<f64>> = starts
             .iter()
             .zip(&forms)
-            .map(|(start, form)| {
-                let mut start = *start;
-                if let Some(form) = form {
-                    for (component, change) in
-                        START_COMPONENTS.into_iter().zip(form.start_change(&taken))
-                    {
-                        start[component] += change;
-                    }
-                }
-                start
+            .zip(&data.windows)
+            .map(|((start, form), window)| match form {
+                Some(form) => window.moved(start, &form.start_change(&taken)),
+                None => *start,
             })
             .collect();
         let mut trial_grams = grams(data, &trial, &trial_starts);
@@ -284,6 +303,7 @@ pub fn fit(
                 data,
                 &trial,
                 &disturbance,
+                robust,
                 &forms,
                 fallback,
                 &mut trial_starts,
@@ -291,7 +311,7 @@ pub fn fit(
                 &mut trial_forms,
             );
         }
-        let trial_loss = total_loss(&trial_forms, &trial);
+        let trial_loss = total_loss(&trial_forms, &trial, robust);
         let better = trial_loss < loss;
         let settled = (loss - trial_loss).abs() < CONVERGED * loss.abs().max(1.0) + 0.02;
         if better {
@@ -299,12 +319,17 @@ pub fn fit(
             starts = trial_starts;
             present = trial_grams;
             damping = (damping * 0.1).max(1e-9);
-            let next = best_disturbance(data, &starts, &present, &hypothesis);
-            if next != disturbance {
+            let sharper = Robust::adapted(&trial_forms);
+            let next = best_disturbance(data, &starts, &present, &hypothesis, sharper);
+            if next != disturbance || sharper != robust {
                 disturbance = next;
+                robust = sharper;
                 forms = reduced(data, &starts, &present, &disturbance);
-                loss = total_loss(&forms, &hypothesis);
-                quiet = 0;
+                loss = total_loss(&forms, &hypothesis, robust);
+                quiet = if settled { quiet + 1 } else { 0 };
+                if quiet >= 2 {
+                    break;
+                }
                 continue;
             }
             forms = trial_forms;
@@ -317,11 +342,13 @@ pub fn fit(
             break;
         }
     }
+    let loss = total_loss(&forms, &hypothesis, judging);
     Fit {
         hypothesis,
         starts,
         grams: present,
         disturbance,
+        judging,
         loss,
         iterations,
     }
@@ -335,6 +362,7 @@ impl Fit {
         let loss = total_loss(
             &reduced(part, &starts, &grams, &self.disturbance),
             &self.hypothesis,
+            self.judging,
         );
         Self {
             hypothesis: self.hypothesis.clone(),
@@ -345,17 +373,34 @@ impl Fit {
         }
     }
 
+    /// The same fit with a bounded loss after its own windows, by which starts that go out from it are compared.
+    pub fn judged_by_itself(mut self, data: &Data) -> Self {
+        let forms = self.reduced(data);
+        self.judging = Robust::adapted(&forms);
+        self.loss = total_loss(&forms, &self.hypothesis, self.judging);
+        self
+    }
+
     /// Whether no more than the sensors' noise is left, even without random friction.
     pub fn is_explained(&self, data: &Data) -> bool {
         self.misfit(data) < 1.03 && self.disturbance.relative < 0.01
+    }
+
+    /// Whether no more than the sensors' noise and friction that fluctuates as real contacts do is left.
+    pub fn is_explained_but_rough(&self, data: &Data) -> bool {
+        self.misfit(data) < 1.03 && self.disturbance.relative < 0.05
     }
 
     /// The loss that the quadratic forms promise after one more step.
     pub fn promised_loss(&self, data: &Data) -> f64 {
         let h = &self.hypothesis;
         let forms = self.reduced(data);
-        let (curvature, gradient) =
-            normal_equations(forms.iter().flatten(), &h.prior_precisions(), &h.x);
+        let (curvature, gradient) = normal_equations(
+            forms.iter().flatten(),
+            &h.prior_precisions(),
+            &h.x,
+            self.judging,
+        );
         match Cholesky::new(curvature) {
             Some(cholesky) => self.loss - gradient.dot(&cholesky.solve(&gradient)),
             None => self.loss,
@@ -379,7 +424,12 @@ impl Fit {
     pub fn covariance(&self, data: &Data) -> Option<DMatrix<f64>> {
         let h = &self.hypothesis;
         let forms = self.reduced(data);
-        let (curvature, _) = normal_equations(forms.iter().flatten(), &h.prior_precisions(), &h.x);
+        let (curvature, _) = normal_equations(
+            forms.iter().flatten(),
+            &h.prior_precisions(),
+            &h.x,
+            self.judging,
+        );
         Cholesky::new(curvature).map(|c| c.inverse())
     }
 
@@ -387,7 +437,13 @@ impl Fit {
     /// numbers.
     pub fn held_out_losses(&self, data: &Data, folds: &[usize]) -> Vec<f64> {
         let h = &self.hypothesis;
-        held_out_losses(&self.reduced(data), &h.prior_precisions(), &h.x, folds)
+        held_out_losses(
+            &self.reduced(data),
+            &h.prior_precisions(),
+            &h.x,
+            folds,
+            Robust::JUDGING,
+        )
     }
 }
 
@@ -398,6 +454,7 @@ pub fn held_out_losses(
     precisions: &[f64],
     x: &[f64],
     folds: &[usize],
+    robust: Robust,
 ) -> Vec<f64> {
     let mut losses = vec![FAILED; forms.len()];
     let parts = folds.iter().max().map_or(1, |m| m + 1);
@@ -407,7 +464,7 @@ pub fn held_out_losses(
             .zip(folds)
             .filter(|(_, f)| **f != fold)
             .filter_map(|(form, _)| form.as_ref());
-        let (curvature, gradient) = normal_equations(training, precisions, x);
+        let (curvature, gradient) = normal_equations(training, precisions, x, robust);
         let Some(step) = Cholesky::new(curvature).map(|c| c.solve(&gradient)) else {
             continue;
         };
@@ -417,7 +474,7 @@ pub fn held_out_losses(
             };
             let square =
                 form.square - 2.0 * form.gradient.dot(&step) + step.dot(&(&form.curvature * &step));
-            *loss = robust(square.max(0.0), form.residuals).0 + form.log_determinant;
+            *loss = robust.loss(square.max(0.0), form.residuals) + form.log_determinant;
         }
     }
     losses
@@ -428,12 +485,13 @@ pub fn normal_equations<'a>(
     forms: impl Iterator<Item = &'a Reduced>,
     precisions: &[f64],
     x: &[f64],
+    robust: Robust,
 ) -> (DMatrix<f64>, DVector<f64>) {
     let n = x.len();
     let mut curvature = DMatrix::zeros(n, n);
     let mut gradient = DVector::zeros(n);
     for r in forms {
-        let (_, weight) = robust(r.square, r.residuals);
+        let weight = robust.weight(r.square, r.residuals);
         curvature += &r.curvature * weight;
         gradient += &r.gradient * weight;
     }

@@ -65,6 +65,9 @@ pub struct Hypothesis {
     pub x: Vec<f64>,
 }
 
+/// How far a nominal parameter may move, in standard deviations of what is known of it.
+const REACH: f64 = 12.0;
+
 /// Relative standard deviations [1] of the nominal parameters where the model file states none: what the
 /// records' description gives for the dissertation's rig.
 const NOMINAL_DEVIATIONS: [(&str, f64); 14] = [
@@ -134,13 +137,39 @@ impl Hypothesis {
         precisions
     }
 
+    /// What one step of a fit may change of each free number: not more than is within its range, nor so much that windows
+    /// stick that did not, of which no derivative tells.
+    pub fn step_ranges(&self) -> Vec<(f64, f64)> {
+        let mut at = 0;
+        let mut ranges = Vec::with_capacity(self.x.len());
+        for free in &self.free {
+            let x = self.x[at];
+            match free {
+                Free::Nominal { deviation, .. } => {
+                    let reach = (REACH * deviation).min(0.9);
+                    let most = 2.0 * deviation;
+                    ranges.push(((-reach - x).clamp(-most, 0.0), (reach - x).clamp(0.0, most)));
+                }
+                Free::Value {
+                    scale, low, high, ..
+                } => ranges.push((
+                    (low / scale - x).clamp(-1.0, 0.0),
+                    (high / scale - x).clamp(0.0, 1.0),
+                )),
+                Free::Polar { .. } => ranges.extend([(-1.0, 1.0), (-1.0, 1.0)]),
+            }
+            at += free.width();
+        }
+        ranges
+    }
+
     /// Moves the free numbers into what their ranges allow.
     pub fn clamp(&mut self) {
         let mut at = 0;
         for free in &self.free {
             match free {
                 Free::Nominal { deviation, .. } => {
-                    let reach = (12.0 * deviation).min(0.9);
+                    let reach = (REACH * deviation).min(0.9);
                     self.x[at] = self.x[at].clamp(-reach, reach);
                 }
                 Free::Value {

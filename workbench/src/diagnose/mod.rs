@@ -27,6 +27,7 @@ mod record_units;
 pub mod report;
 pub mod residual_torque;
 pub mod restart;
+pub mod robust;
 pub mod run;
 pub mod score;
 pub mod search;

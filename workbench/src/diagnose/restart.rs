@@ -9,7 +9,7 @@ use stickslip::plant::{Rig, RigState, index};
 use super::fit::{Data, grams, reduced};
 use super::gram::Gram;
 use super::hypothesis::Hypothesis;
-use super::marginal::{Disturbance, Reduced};
+use super::marginal::Disturbance;
 use super::run::{CHANNELS, Run};
 use super::window::{PIECE, START_COMPONENTS, Window};
 use crate::component::{Component, ComponentError, position};
@@ -48,7 +48,13 @@ pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
         let part = part(data, &open);
         let trial: Vec<RigState<f64>> = open
             .iter()
-            .map(|&at| moved(&states[at], &forms[at], &nothing, shares[at]))
+            .map(|&at| match &forms[at] {
+                Some(form) => {
+                    let change = form.start_change(&nothing).map(|x| shares[at] * x);
+                    data.windows[at].moved(&states[at], &change)
+                }
+                None => states[at],
+            })
             .collect();
         let trial_grams = grams(&part, &hypothesis, &trial);
         let trial_forms = reduced(&part, &trial, &trial_grams, &Disturbance::NONE);
@@ -88,21 +94,6 @@ fn part(data: &Data, windows: &[usize]) -> Data {
         windows: windows.iter().map(|&at| data.windows[at].clone()).collect(),
         ..data.clone()
     }
-}
-
-fn moved(
-    state: &RigState<f64>,
-    form: &Option<Reduced>,
-    nothing: &DVector<f64>,
-    share: f64,
-) -> RigState<f64> {
-    let mut state = *state;
-    if let Some(form) = form {
-        for (component, change) in START_COMPONENTS.into_iter().zip(form.start_change(nothing)) {
-            state[component] += share * change;
-        }
-    }
-    state
 }
 
 /// Sum of squares of a window at its start, with the prior's part; infinite where the model cannot run.

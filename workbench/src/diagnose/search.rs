@@ -26,12 +26,12 @@ pub struct Tried {
 /// A hypothesis on top of `base` before any step: its windows start where the base has put them, or
 /// as measured if the base is wrong and that promises more.
 pub fn first_look(data: &Data, hypothesis: Hypothesis, base: &Fit, wrong: bool) -> Fit {
-    let carried = fit(data, hypothesis, base.starts.clone(), 0);
+    let carried = fit(data, hypothesis, base.starts.clone(), 0, base.judging);
     if !wrong {
         return carried;
     }
     let anchors = data.windows.iter().map(|window| window.anchor).collect();
-    let measured = fit(data, carried.hypothesis.clone(), anchors, 0);
+    let measured = fit(data, carried.hypothesis.clone(), anchors, 0, base.judging);
     if measured.promised_loss(data) < carried.promised_loss(data) {
         measured
     } else {
@@ -111,14 +111,10 @@ pub fn try_all(
     progress: &mut dyn FnMut(&str),
 ) -> Vec<Tried> {
     let wrong = base.misfit(data) > WRONG || base.disturbance.relative > 0.05;
-    let thinning = if data.windows.len() > ENOUGH_WINDOWS {
-        THINNING
-    } else {
-        1
-    };
+    let thinning = thinning(data);
     let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning).collect();
     let part = data.part(&kept);
-    let base_part = base.part(&part, &kept);
+    let base_part = base.part(&part, &kept).judged_by_itself(&part);
     let explored = explore(&part, &base_part, without, wrong, progress);
     let part_folds = folds(&part);
     let base_part_losses = base_part.held_out_losses(&part, &part_folds);
@@ -135,7 +131,7 @@ pub fn try_all(
         if is_finalist {
             progress(entry.name);
             let look = first_look(data, found.hypothesis, base, wrong);
-            let fitted = fit(data, look.hypothesis, look.starts, 25);
+            let fitted = fit(data, look.hypothesis, look.starts, 25, base.judging);
             let (gain, interval95) = gain(
                 data,
                 &base_losses,
@@ -172,6 +168,21 @@ pub fn try_all(
     tried
 }
 
+/// What is known while starts are followed up on a part of the windows.
+struct Exploration<'a> {
+    part: &'a Data,
+    base: &'a Fit,
+    /// Whether the base is so wrong that effects are also tried from far.
+    wrong: bool,
+    /// Loss that the base promises after one more step: what an effect adds is judged against it.
+    promised: f64,
+    /// Best loss so far.
+    best: f64,
+    /// Whether a fit has been found that leaves nothing to explain.
+    explained: bool,
+    found: Vec<(&'static Entry, Fit)>,
+}
+
 /// The best fit of each entry on a part of the windows, best first.
 fn explore(
     part: &Data,
@@ -180,59 +191,148 @@ fn explore(
     wrong: bool,
     progress: &mut dyn FnMut(&str),
 ) -> Vec<(&'static Entry, Fit)> {
-    let mut starts: Vec<(f64, &'static Entry, Fit)> = Vec::new();
-    for entry in CATALOGUE
-        .iter()
-        .filter(|entry| !without.iter().any(|name| name == entry.name))
-    {
-        progress(entry.name);
-        let look = if entry.is_nonlinear() && wrong { 2 } else { 0 };
-        let mut first: Vec<Fit> = entry
-            .starts(&base.hypothesis, wrong)
-            .into_iter()
-            .filter(|start| start.dimension() <= super::gram::MOST_FREE)
-            .map(|start| first_look(part, start, base, wrong))
+    let mut exploration = Exploration {
+        part,
+        base,
+        wrong,
+        promised: base.promised_loss(part),
+        best: base.loss,
+        explained: base.is_explained(part),
+        found: Vec::new(),
+    };
+    let wanted = |entry: &&Entry| !without.iter().any(|name| name == entry.name);
+    // A law with many free numbers is fitted only where nothing simpler explains the records.
+    for costly in [false, true] {
+        let entries: Vec<&'static Entry> = CATALOGUE
+            .iter()
+            .filter(|entry| entry.is_costly() == costly)
+            .filter(wanted)
             .collect();
-        // Many starts scan a range in which only the neighbourhood of the best is worth steps.
-        if first.len() > SCANNED {
-            first.sort_by(|a, b| a.loss.total_cmp(&b.loss));
-            first.truncate(2);
+        if costly && exploration.explained {
+            break;
         }
-        for start in first {
-            let looked = if look > 0 {
-                fit(part, start.hypothesis, start.starts, look)
-            } else {
-                start
-            };
-            starts.push((looked.promised_loss(part), entry, looked));
-        }
+        let starts = exploration.looks(&entries, progress);
+        exploration.follow(starts, progress);
     }
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best = base.loss;
-    let mut explained = !wrong;
-    let mut found: Vec<(&'static Entry, Fit)> = Vec::new();
-    for (rank, (promised, entry, start)) in starts.into_iter().enumerate() {
-        let mut fitted = start;
-        let gains = promised < base.loss - LEAST_PROMISE;
-        let rivals = promised < best + HOPELESS;
-        if gains && (rivals || !explained && (rank < FOLLOWED || entry.is_nonlinear())) {
-            progress(entry.name);
-            fitted = fit(part, fitted.hypothesis, fitted.starts, 5);
-            if fitted.iterations >= 5 && fitted.promised_loss(part) < best + HOPELESS {
-                fitted = fit(part, fitted.hypothesis, fitted.starts, 20);
-            }
-            best = best.min(fitted.loss);
-            explained |= fitted.is_explained(part);
-        }
-        match found
-            .iter_mut()
-            .find(|(earlier, _)| earlier.name == entry.name)
-        {
-            Some((_, earlier)) if earlier.loss <= fitted.loss => {}
-            Some((_, earlier)) => *earlier = fitted,
-            None => found.push((entry, fitted)),
-        }
-    }
+    let mut found = exploration.found;
     found.sort_by(|a, b| a.1.loss.total_cmp(&b.1.loss));
     found
+}
+
+impl Exploration<'_> {
+    /// Every start of `entries`, looked at, the most promising first.
+    fn looks(
+        &self,
+        entries: &[&'static Entry],
+        progress: &mut dyn FnMut(&str),
+    ) -> Vec<(f64, &'static Entry, Fit)> {
+        let mut starts: Vec<(f64, &'static Entry, Fit)> = Vec::new();
+        for entry in entries {
+            progress(entry.name);
+            let look = if entry.is_nonlinear() && self.wrong {
+                2
+            } else {
+                0
+            };
+            let first = entry_looks(self.part, self.base, entry, self.wrong);
+            for start in first {
+                let looked = if look > 0 {
+                    fit(
+                        self.part,
+                        start.hypothesis,
+                        start.starts,
+                        look,
+                        self.base.judging,
+                    )
+                } else {
+                    start
+                };
+                starts.push((looked.promised_loss(self.part), entry, looked));
+            }
+        }
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        starts
+    }
+
+    /// `fitted` after this many further steps.
+    fn go_on(&self, fitted: Fit, steps: usize) -> Fit {
+        fit(
+            self.part,
+            fitted.hypothesis,
+            fitted.starts,
+            steps,
+            self.base.judging,
+        )
+    }
+
+    /// Fits the starts that promise something and keeps the best fit of each entry.
+    fn follow(&mut self, starts: Vec<(f64, &'static Entry, Fit)>, progress: &mut dyn FnMut(&str)) {
+        for (rank, (promised, entry, start)) in starts.into_iter().enumerate() {
+            let mut fitted = start;
+            let gains = promised < self.promised - LEAST_PROMISE;
+            let rivals = promised < self.best + HOPELESS;
+            let unsettled = !self.explained && (rank < FOLLOWED || entry.is_nonlinear());
+            if gains && (rivals || self.wrong && unsettled) {
+                progress(entry.name);
+                fitted = self.go_on(fitted, 5);
+                if fitted.iterations >= 5 && fitted.promised_loss(self.part) < self.best + HOPELESS
+                {
+                    fitted = self.go_on(fitted, 20);
+                }
+                self.best = self.best.min(fitted.loss);
+                self.explained |= fitted.is_explained(self.part)
+                    || self.wrong && fitted.is_explained_but_rough(self.part);
+            }
+            match self
+                .found
+                .iter_mut()
+                .find(|(earlier, _)| earlier.name == entry.name)
+            {
+                Some((_, earlier)) if earlier.loss <= fitted.loss => {}
+                Some((_, earlier)) => *earlier = fitted,
+                None => self.found.push((entry, fitted)),
+            }
+        }
+    }
+}
+
+/// The starts of one entry on top of `base`, looked at on the windows of `part`.
+fn entry_looks(part: &Data, base: &Fit, entry: &Entry, wrong: bool) -> Vec<Fit> {
+    let mut first: Vec<Fit> = entry
+        .starts(&base.hypothesis, wrong)
+        .into_iter()
+        .filter(|start| start.dimension() <= super::gram::MOST_FREE)
+        .map(|start| first_look(part, start, base, wrong))
+        .collect();
+    // Many starts scan a range in which only the neighbourhood of the best is worth steps.
+    if first.len() > SCANNED {
+        first.sort_by(|a, b| a.promised_loss(part).total_cmp(&b.promised_loss(part)));
+        first.truncate(if entry.is_costly() { 2 } else { SCANNED });
+    }
+    first
+}
+
+/// The best fit of one entry on top of `base`: every start is looked at on a part of the windows, the
+/// two best are fitted there and the better one to all. `None` where the effect makes no sense.
+pub fn fit_entry(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
+    let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning(data)).collect();
+    let part = data.part(&kept);
+    let from = base.part(&part, &kept).judged_by_itself(&part);
+    let looks = entry_looks(&part, &from, entry, true);
+    let best = looks
+        .into_iter()
+        .map(|look| fit(&part, look.hypothesis, look.starts, 2, from.judging))
+        .map(|look| (look.promised_loss(&part), look))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, look)| fit(&part, look.hypothesis, look.starts, 20, from.judging))?;
+    let look = first_look(data, best.hypothesis, base, true);
+    Some(fit(data, look.hypothesis, look.starts, 25, base.judging))
+}
+
+fn thinning(data: &Data) -> usize {
+    if data.windows.len() > ENOUGH_WINDOWS {
+        THINNING
+    } else {
+        1
+    }
 }

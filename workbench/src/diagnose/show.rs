@@ -19,6 +19,7 @@ use super::fit::Data;
 use super::marginal::Disturbance;
 use super::restart::{Starts, WindowCourse, best_starts, course, window_courses};
 use super::run::{CHANNELS, Run};
+use super::window::Begin;
 use crate::analysis::measures::{
     amplitude_pulse_level, pearson_correlation, root_mean_square_error,
 };
@@ -85,9 +86,14 @@ pub fn compare(
     library: &Library,
     work: &Path,
 ) -> Result<Comparison, ShowError> {
-    let data = case.judging();
-    let starts_before = held_at_rest(&data, best_starts(&data, &case.model.rig));
-    let starts_after = held_at_rest(&data, best_starts(&data, &amended.rig));
+    let branches = case.model.rig.law.has_branches() || amended.rig.law.has_branches();
+    let data = case.judging(if branches {
+        Begin::SpeedingUp
+    } else {
+        Begin::Clear
+    });
+    let starts_before = best_starts(&data, &case.model.rig);
+    let starts_after = best_starts(&data, &amended.rig);
     let mut native_before = Native::from_text(&case.model_text, "the analyst's model")?;
     let mut native_after = Native::from_text(amended_text, "the amended model")?;
     let delays = [delay(&case.model.rig), delay(&amended.rig)];
@@ -177,16 +183,6 @@ pub fn compare(
         },
         data,
     })
-}
-
-/// The starts with a disc that sticks exactly at rest: a law with branches takes the slightest velocity for a slip.
-fn held_at_rest(data: &Data, mut starts: Starts) -> Starts {
-    for (state, window) in starts.states.iter_mut().zip(&data.windows) {
-        if window.anchor[index::OMEGA] == 0.0 {
-            state[index::OMEGA] = 0.0;
-        }
-    }
-    starts
 }
 
 fn delay(rig: &Rig<f64>) -> f64 {

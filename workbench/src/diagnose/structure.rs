@@ -3,6 +3,7 @@
 
 use super::fit::{Data, Fit, held_out_losses, reduced};
 use super::gram::{Gram, Place};
+use super::robust::Robust;
 use super::search::{folds, gain};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -236,7 +237,7 @@ pub fn structures(data: &Data, fit: &Fit) -> Vec<Structure> {
                 - x.len();
             precisions.extend(std::iter::repeat_n(1.0, extra));
             x.extend(std::iter::repeat_n(0.0, extra));
-            let losses = held_out_losses(&forms, &precisions, &x, &folds);
+            let losses = held_out_losses(&forms, &precisions, &x, &folds, Robust::JUDGING);
             let (gain, interval95) = gain(data, &base, &losses);
             Structure {
                 coordinate,

@@ -7,6 +7,8 @@ use stickslip::plant::{RigState, STATES, index};
 pub const LENGTH: f64 = 0.5;
 /// Length of the pieces over which a disturbance torque is held [s].
 pub const PIECE: f64 = 0.05;
+/// Acceleration from which on it is clear whether the disc speeds up or slows down [rad/s²].
+const CLEAR_ACCELERATION: f64 = 4.0;
 /// State components that a window may start from: all of the reduced rig and the relaxing torque.
 pub const START_COMPONENTS: [usize; 6] = [
     index::THETA,
@@ -16,6 +18,9 @@ pub const START_COMPONENTS: [usize; 6] = [
     index::CURRENT,
     index::RELAXING_TORQUE,
 ];
+
+/// Standard deviation of the velocity of a disc that sticks: it does not move at all [rad/s].
+const AT_REST: f64 = 1e-6;
 
 /// A window of one record.
 #[derive(Clone, Debug)]
@@ -35,6 +40,28 @@ pub struct Window {
     pub deviations: [f64; 6],
 }
 
+impl Window {
+    /// `start` moved by `change`, in the order of [`START_COMPONENTS`]. A disc that sticks stays exactly at rest: the
+    /// smallest velocity would be slip, and a law with branches would go on from there on one of them.
+    pub fn moved(
+        &self,
+        start: &RigState<f64>,
+        change: &[f64; START_COMPONENTS.len()],
+    ) -> RigState<f64> {
+        let mut moved = *start;
+        for ((component, change), deviation) in START_COMPONENTS
+            .into_iter()
+            .zip(change)
+            .zip(self.deviations)
+        {
+            if component != index::OMEGA || deviation > AT_REST {
+                moved[component] += change;
+            }
+        }
+        moved
+    }
+}
+
 /// How the disc moves about a sample, as far as the readings tell.
 #[derive(Clone, Copy, PartialEq)]
 enum Motion {
@@ -43,18 +70,66 @@ enum Motion {
     Unclear,
 }
 
-/// Cuts a record into windows that start where it is clear whether the disc sticks or slides.
-pub fn windows(run_index: usize, run: &Run, back_emf: f64, resistance: f64) -> Vec<Window> {
+/// Where windows are wanted to start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begin {
+    /// Where it is clear whether the disc sticks or slides, and if possible whether it speeds up or
+    /// slows down: a law with branches goes on from there on the branch that was measured.
+    Clear,
+    /// Where the disc sticks or speeds up: a component that is given a state and nothing else
+    /// begins on that branch.
+    SpeedingUp,
+}
+
+impl Begin {
+    /// How far the search for a good place may go, in lengths of a window.
+    fn reach(self) -> f64 {
+        match self {
+            Self::Clear => 0.5,
+            Self::SpeedingUp => 2.0,
+        }
+    }
+
+    fn is_good(self, run: &Run, at: usize) -> bool {
+        match motion(run, at) {
+            Motion::Unclear => false,
+            Motion::Stuck => true,
+            Motion::Sliding => {
+                let (_, omega, acceleration) = line(run, 0, 1, at);
+                let along = acceleration * omega.signum();
+                match self {
+                    Self::Clear => along.abs() > CLEAR_ACCELERATION,
+                    Self::SpeedingUp => along > CLEAR_ACCELERATION,
+                }
+            }
+        }
+    }
+}
+
+/// Cuts a record into windows that start where `begin` wants it, as far as there is such a place.
+pub fn windows(
+    run_index: usize,
+    run: &Run,
+    back_emf: f64,
+    resistance: f64,
+    begin: Begin,
+) -> Vec<Window> {
     let per_window = (LENGTH / run.interval()).round().max(4.0) as usize;
+    let reach = (per_window as f64 * begin.reach()) as usize;
     let mut windows = Vec::new();
     let mut first = 0;
     while first + per_window / 2 < run.len() {
         let mut last = (first + per_window).min(run.len() - 1);
-        // Look for a clear place for the next window to start.
-        let reach = per_window / 2;
-        let clear =
-            (0..reach).find(|d| last + d < run.len() && motion(run, last + d) != Motion::Unclear);
-        last += clear.unwrap_or(0);
+        let within = |d: &usize| last + d < run.len();
+        let good = (0..reach)
+            .take_while(within)
+            .find(|d| begin.is_good(run, last + d))
+            .or_else(|| {
+                (0..per_window / 2)
+                    .take_while(within)
+                    .find(|d| motion(run, last + d) != Motion::Unclear)
+            });
+        last += good.unwrap_or(0);
         last = last.min(run.len() - 1);
         windows.push(window(run_index, run, first, last, back_emf, resistance));
         first = last;
@@ -91,7 +166,7 @@ fn window(
     anchor[index::OMEGA3] = omega3;
     let voltage = run.voltage[first.saturating_sub(1)];
     anchor[index::CURRENT] = (voltage - back_emf * omega3) / resistance;
-    let disc_velocity = if stuck { 1e-6 } else { 1.0 };
+    let disc_velocity = if stuck { AT_REST } else { 1.0 };
     Window {
         run: run_index,
         first,
