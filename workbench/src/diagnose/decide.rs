@@ -17,7 +17,7 @@ pub const STRUCTURE_GAIN: f64 = 30.0;
 /// Misfit per residual above which something is left whatever its structure.
 const MISFIT: f64 = 1.25;
 /// Relative friction disturbance above which it no longer passes for roughness.
-const ROUGHNESS: f64 = 0.08;
+const ROUGHNESS: f64 = 0.06;
 /// Most effects that are added one after the other.
 const MOST_EFFECTS: usize = 3;
 

@@ -139,7 +139,7 @@ fn best_disturbance(
     robust: Robust,
 ) -> Disturbance {
     let mut best = (f64::INFINITY, Disturbance::NONE);
-    for relative in [0.0, 0.003, 0.006, 0.012, 0.02, 0.03, 0.045, 0.065, 0.1] {
+    for relative in [0.0, 0.003, 0.006, 0.012, 0.02, 0.03, 0.045, 0.065] {
         let disturbance = Disturbance {
             relative,
             ..Disturbance::NONE

@@ -137,6 +137,19 @@ impl Hypothesis {
         precisions
     }
 
+    /// The same hypothesis with the analyst's values of the nominal parameters.
+    pub fn with_analysts_values(&self) -> Self {
+        let mut anew = self.clone();
+        let mut at = 0;
+        for free in &self.free {
+            if matches!(free, Free::Nominal { .. }) {
+                anew.x[at] = 0.0;
+            }
+            at += free.width();
+        }
+        anew
+    }
+
     /// What one step of a fit may change of each free number: not more than is within its range, nor so much that windows
     /// stick that did not, of which no derivative tells.
     pub fn step_ranges(&self) -> Vec<(f64, f64)> {

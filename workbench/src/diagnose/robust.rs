@@ -8,9 +8,9 @@
 use super::marginal::Reduced;
 
 /// The least limit, in standard deviations: sensor noise alone stays well below.
-const LEAST_LIMIT: f64 = 2.0;
+const LEAST_LIMIT: f64 = 1.6;
 /// Limit over the median residual size of the windows.
-const OVER_MEDIAN: f64 = 2.0;
+const OVER_MEDIAN: f64 = 1.5;
 
 /// A bounded loss.
 #[derive(Clone, Copy, Debug, PartialEq)]

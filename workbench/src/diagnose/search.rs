@@ -132,6 +132,7 @@ pub fn try_all(
             progress(entry.name);
             let look = first_look(data, found.hypothesis, base, wrong);
             let fitted = fit(data, look.hypothesis, look.starts, 25, base.judging);
+            let fitted = with_nominal_anew(data, fitted);
             let (gain, interval95) = gain(
                 data,
                 &base_losses,
@@ -277,7 +278,7 @@ impl Exploration<'_> {
                 fitted = self.go_on(fitted, 5);
                 if fitted.iterations >= 5 && fitted.promised_loss(self.part) < self.best + HOPELESS
                 {
-                    fitted = self.go_on(fitted, 20);
+                    fitted = with_nominal_anew(self.part, self.go_on(fitted, 20));
                 }
                 self.best = self.best.min(fitted.loss);
                 self.explained |= fitted.is_explained(self.part)
@@ -324,9 +325,32 @@ pub fn fit_entry(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
         .map(|look| fit(&part, look.hypothesis, look.starts, 2, from.judging))
         .map(|look| (look.promised_loss(&part), look))
         .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, look)| fit(&part, look.hypothesis, look.starts, 20, from.judging))?;
+        .map(|(_, look)| fit(&part, look.hypothesis, look.starts, 20, from.judging))
+        .map(|found| with_nominal_anew(&part, found))?;
     let look = first_look(data, best.hypothesis, base, true);
-    Some(fit(data, look.hypothesis, look.starts, 25, base.judging))
+    let fitted = fit(data, look.hypothesis, look.starts, 25, base.judging);
+    Some(with_nominal_anew(data, fitted))
+}
+
+/// `fitted`, or what comes of its effects with the analyst's nominal parameters and the measured starts where that is
+/// better. While an effect was missing the nominal parameters were bent to make up for it, and may be stuck there.
+fn with_nominal_anew(data: &Data, fitted: Fit) -> Fit {
+    if fitted.misfit(data) < WRONG {
+        return fitted;
+    }
+    let anchors = data.windows.iter().map(|window| window.anchor).collect();
+    let anew = fit(
+        data,
+        fitted.hypothesis.with_analysts_values(),
+        anchors,
+        15,
+        fitted.judging,
+    );
+    if anew.loss < fitted.loss {
+        anew
+    } else {
+        fitted
+    }
 }
 
 fn thinning(data: &Data) -> usize {

@@ -10,7 +10,7 @@ use std::path::Path;
 use build_fmu::build::{BuildError, Source};
 use build_fmu::library::Library;
 use build_fmu::platform::FmiVersion;
-use stickslip::plant::{ModelFile, Rig, RigState, index};
+use stickslip::plant::{ModelFile, Rig, RigState};
 use thiserror::Error;
 
 use super::case::Case;
