@@ -22,6 +22,7 @@ use workbench::diagnose::residual_torque::residual_torques;
 use workbench::diagnose::restart::course;
 use workbench::diagnose::restart::{best_starts, window_courses};
 use workbench::diagnose::show::{Comparison, Shown};
+use workbench::diagnose::window::Begin;
 
 fn case_directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/unbalance")
@@ -82,7 +83,7 @@ fn the_gap_closes_on_the_held_out_record() {
     let finding = forced_finding(&case, &["unbalance".to_owned()], &fit, None).unwrap();
     let model = amended_model(&case, &finding).unwrap();
     let text = amend::text(&case, &finding, &model).unwrap();
-    let data = case.judging();
+    let data = case.judging(Begin::Clear);
     let error = |text: &str, rig| {
         let starts = best_starts(&data, rig);
         let mut native = Native::from_text(text, "model").unwrap();
@@ -163,7 +164,7 @@ fn too_little_is_refused() {
 
 /// A comparison of a model with itself, as a report needs it.
 fn comparison(case: &Case) -> Comparison {
-    let data = case.judging();
+    let data = case.judging(Begin::Clear);
     let starts = best_starts(&data, &case.model.rig);
     let shown = || {
         let mut native = Native::from_text(&case.model_text, "model").unwrap();

@@ -254,10 +254,10 @@ mod tests {
 
     #[test]
     fn a_stretch_after_a_hole_starts_where_the_disc_is() {
-        let from_zero = windows(0, &resting(0.0), 0.5, 0.3);
+        let from_zero = windows(0, &resting(0.0), 0.5, 0.3, Begin::Clear);
         assert_eq!(from_zero[0].anchor[index::THETA], 0.0);
         assert!(from_zero[0].deviations[0] < 1e-6);
-        let turned_on = windows(0, &resting(31.4), 0.5, 0.3);
+        let turned_on = windows(0, &resting(31.4), 0.5, 0.3, Begin::Clear);
         assert!((turned_on[0].anchor[index::THETA] - 31.4).abs() < 1e-9);
         assert!(turned_on[0].deviations[0] > 0.1);
     }
