@@ -18,6 +18,7 @@ use super::progress::{Interruptible, Progress};
 use super::report::{self, Report};
 use super::residual_torque::residual_torques;
 use super::show::{Comparison, compare};
+use super::small_plant::command::{self as small_plant, Stage};
 use crate::cli::Outcome;
 use crate::files::atomic;
 use crate::files::record::Record;
@@ -172,6 +173,9 @@ fn remove(path: &Path) -> anyhow::Result<()> {
 /// # Errors
 /// Whatever is wrong with the input; the exit code is then 2.
 pub fn diagnose(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
+    if small_plant::concerns(&arguments.case) {
+        return small(arguments, Stage::All);
+    }
     let library = library::find(arguments.library.as_deref())?;
     let session = Session::begin(arguments)?;
     let mut finding = session.name()?;
@@ -186,6 +190,9 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`].
 pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
+    if small_plant::concerns(&arguments.case) {
+        return small(arguments, Stage::Locate);
+    }
     let session = Session::begin(arguments)?;
     let mut finding = located_finding(&session.case, &mut |what| session.progress.say(what))?;
     session.found(&mut finding, None)?;
@@ -198,6 +205,9 @@ pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`].
 pub fn name(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
+    if small_plant::concerns(&arguments.case) {
+        return small(arguments, Stage::Name);
+    }
     let session = Session::begin(arguments)?;
     let finding = session.name()?;
     session.answer(&finding);
@@ -210,6 +220,9 @@ pub fn name(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// As for [`diagnose`]; also where there is neither a finding nor an effect.
 pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
     let common = &arguments.common;
+    if small_plant::concerns(&common.case) {
+        return small(common, Stage::Amend(&arguments.effect));
+    }
     for name in &arguments.effect {
         check_effect(name).context("--effect")?;
     }
@@ -241,6 +254,9 @@ pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`]; also where there is no finding or no amended model.
 pub fn show(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
+    if small_plant::concerns(&arguments.case) {
+        return small(arguments, Stage::Show);
+    }
     let library = library::find(arguments.library.as_deref())?;
     let session = Session::begin(arguments)?;
     let mut finding = Finding::read(&arguments.out)?;
@@ -253,6 +269,17 @@ pub fn show(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
     })?;
     let outcome = session.show(&mut finding, &text, &library)?;
     session.answer_with_files(&finding);
+    Ok(outcome)
+}
+
+/// A stage, or all, on a small plant.
+fn small(arguments: &DiagnoseArguments, stage: Stage<'_>) -> anyhow::Result<Outcome> {
+    let progress = Progress::new();
+    let (outcome, text) = small_plant::run(&arguments.case, stage, &arguments.out, &mut |what| {
+        progress.say(what)
+    })?;
+    progress.done();
+    print!("{text}");
     Ok(outcome)
 }
 

@@ -33,5 +33,6 @@ pub mod score;
 pub mod search;
 pub mod sensors;
 pub mod show;
+pub mod small_plant;
 pub mod structure;
 pub mod window;

@@ -1,8 +1,8 @@
 //! `report.html`: one self-contained page with the answer on top, light, dark and printable.
 
-mod figures;
-mod markup;
-mod page;
+pub(super) mod figures;
+pub(super) mod markup;
+pub(super) mod page;
 
 use crate::diagnose::case::Case;
 use crate::diagnose::finding::Finding;

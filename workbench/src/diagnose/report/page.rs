@@ -28,12 +28,18 @@ pub fn page(report: &Report<'_>) -> String {
     ] {
         body.push_str(&section);
     }
+    let title = format!("{}: {}", report.case.name, headline(finding));
+    document(&title, &body)
+}
+
+/// A self-contained page from its title, as plain text, and its body, as HTML.
+pub fn document(title: &str, body: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{body}\
          <script>\n//<![CDATA[\n{SCRIPT}//]]>\n</script>\n</body>\n</html>\n",
-        title = escape(&format!("{}: {}", report.case.name, headline(finding))),
+        title = escape(title),
     )
 }
 

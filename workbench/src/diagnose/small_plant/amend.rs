@@ -1,0 +1,249 @@
+//! The amended model of a small plant, and the finding that says what was added.
+
+use std::collections::BTreeMap;
+
+use super::case::SmallCase;
+use super::finding::{Course, SmallFinding};
+use super::least_squares::Fit;
+use super::model_file::{Origin, SmallModel, dotted};
+use super::naming::{Kept, Naming};
+use super::showing::{balance, final_intervals, polished};
+use super::structure::structures;
+use super::unit::{Dimension, Kind};
+use crate::diagnose::finding::{Finding, FoundEffect, ParameterValue, Ranked, VerdictName};
+
+/// Share of what is left that a free function of one coordinate may explain before something counts as missing still.
+const STRUCTURED: f64 = 0.3;
+/// Standard deviations by which a number must have moved to count as wrong.
+const MOVED: f64 = 2.0;
+
+/// The finding of what naming came to.
+#[must_use]
+pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
+    let last = polished(case, &naming.amended);
+    let mut found = described(case, &naming.base, &last, &naming.kept);
+    found.finding.ranking = naming
+        .ranking
+        .iter()
+        .map(|tried| Ranked {
+            name: tried.entries.iter().map(|entry| entry.name).collect(),
+            gain: tried.gain.value,
+            interval95: tried.gain.interval95,
+        })
+        .collect();
+    found
+}
+
+/// The finding of a base and a model with effects that were kept, or that a person named (without gain and rivals).
+#[must_use]
+pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> SmallFinding {
+    let balance = balance(case);
+    let before = structures(&balance, &base.model, &case.scales);
+    let after = structures(&balance, &last.model, &case.scales);
+    let share_left = after
+        .iter()
+        .filter(|left| left.located.significant)
+        .map(|left| left.share)
+        .fold(0.0, f64::max);
+    let (effects, parameters) = numbers(case, last, kept);
+    let alternatives: Vec<String> = kept
+        .iter()
+        .filter(|kept| !kept.rivals.is_empty())
+        .flat_map(|kept| std::iter::once(kept.entry.name).chain(kept.rivals.iter().copied()))
+        .map(str::to_owned)
+        .collect();
+    let verdict = if share_left > STRUCTURED {
+        VerdictName::NotInCatalogue
+    } else if !alternatives.is_empty() {
+        VerdictName::Ambiguous
+    } else if !kept.is_empty() {
+        VerdictName::Named
+    } else if numbers_moved(case, &parameters) {
+        VerdictName::Parameters
+    } else {
+        VerdictName::NothingMissing
+    };
+    SmallFinding {
+        finding: Finding {
+            verdict,
+            effects,
+            alternatives,
+            experiment: None,
+            ranking: Vec::new(),
+            structure: before.into_iter().map(|left| left.located).collect(),
+            structure_left: after.into_iter().map(|left| left.located).collect(),
+            parameters,
+            gap: None,
+            friction_fluctuation: 0.0,
+            without: case.without.clone(),
+            notes: case.notes.clone(),
+            seconds: 0.0,
+        },
+        small_plant: Course {
+            kind: case.kind().word().to_owned(),
+            quantity: quantity(case.kind()).to_owned(),
+            unit: match case.kind() {
+                Kind::Pendulum => "rad",
+                kind => Dimension::Force.unit(kind, case.model.model.path),
+            }
+            .to_owned(),
+            share_left,
+            gains: kept
+                .iter()
+                .map(|kept| Ranked {
+                    name: kept.entry.name.to_owned(),
+                    gain: kept.gain.value,
+                    interval95: kept.gain.interval95,
+                })
+                .collect(),
+            steps: Vec::new(),
+        },
+    }
+}
+
+fn quantity(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Drive => "force that the measured motion needs",
+        Kind::Pendulum => "angle in a free run",
+        Kind::Contact => "force that the contact opposes to the measured motion",
+    }
+}
+
+type Numbers = (Vec<FoundEffect>, BTreeMap<String, ParameterValue>);
+
+fn numbers(case: &SmallCase, last: &Fit, kept: &[Kept]) -> Numbers {
+    let intervals = final_intervals(case, last);
+    let (kind, path) = (case.kind(), case.model.model.path);
+    let mut effects = Vec::new();
+    let mut nominal = BTreeMap::new();
+    for (at, term) in last.model.terms().iter().enumerate() {
+        let values = term
+            .entry
+            .parameters
+            .iter()
+            .zip(&term.values)
+            .enumerate()
+            .map(|(j, (parameter, value))| {
+                let interval = intervals.iter().find(|(t, p, _)| (*t, *p) == (at, j));
+                let number = ParameterValue {
+                    value: *value,
+                    interval95: interval.map(|(_, _, interval)| *interval),
+                    unit: parameter.dimension.unit(kind, path).to_owned(),
+                    model_parameter: dotted(term.entry, parameter.key),
+                };
+                (parameter.key.to_owned(), number)
+            });
+        if case.model.model.has(term.entry.name) {
+            nominal.extend(values.map(|(_, number)| (number.model_parameter.clone(), number)));
+        } else {
+            let rivals = kept.iter().find(|kept| kept.entry.name == term.entry.name);
+            effects.push(FoundEffect {
+                name: term.entry.name.to_owned(),
+                probability: rivals.map_or(0.0, |kept| 1.0 / (1.0 + kept.rivals.len() as f64)),
+                parameters: values.collect(),
+            });
+        }
+    }
+    (effects, nominal)
+}
+
+/// Whether any number of stated uncertainty has moved by more than that allows.
+fn numbers_moved(case: &SmallCase, refitted: &BTreeMap<String, ParameterValue>) -> bool {
+    case.model.model.terms().iter().any(|term| {
+        term.entry
+            .parameters
+            .iter()
+            .zip(&term.values)
+            .any(|(parameter, &before)| {
+                let name = dotted(term.entry, parameter.key);
+                let stated = case
+                    .model
+                    .origins
+                    .get(&name)
+                    .and_then(|origin| origin.relative_uncertainty);
+                let after = refitted.get(&name).map(|number| number.value);
+                match (stated, after) {
+                    (Some(share), Some(after)) => {
+                        (after - before).abs() > MOVED * share * before.abs()
+                    }
+                    _ => false,
+                }
+            })
+    })
+}
+
+/// Text of the amended model that a finding describes.
+///
+/// # Errors
+/// Where the finding names what the catalogue does not have, or lacks a number.
+pub fn amended_text(case: &SmallCase, found: &SmallFinding) -> Result<String, String> {
+    let mut amended: SmallModel = case.model.clone();
+    let source = format!(
+        "fitted by stickslip diagnose to {}",
+        case.records
+            .iter()
+            .map(|record| record.name.as_str())
+            .collect::<Vec<_>>()
+            .join(", ")
+    );
+    for effect in &found.finding.effects {
+        super::case::check_effect(&effect.name)?;
+        let Some(entry) = super::catalogue::entry(&effect.name) else {
+            continue;
+        };
+        let values: Result<Vec<f64>, String> = entry
+            .parameters
+            .iter()
+            .map(|parameter| {
+                let number = effect.parameters.get(parameter.key);
+                number.map(|number| number.value).ok_or_else(|| {
+                    format!(
+                        "finding.json: effect {} lacks {}",
+                        effect.name, parameter.key
+                    )
+                })
+            })
+            .collect();
+        amended.model = amended.model.with(entry, values?);
+    }
+    let terms = amended.model.terms().to_vec();
+    for (at, term) in terms.iter().enumerate() {
+        for (j, parameter) in term.entry.parameters.iter().enumerate() {
+            let name = dotted(term.entry, parameter.key);
+            let own = found
+                .finding
+                .effects
+                .iter()
+                .flat_map(|effect| effect.parameters.values());
+            let number = own
+                .chain(found.finding.parameters.values())
+                .find(|number| number.model_parameter == name);
+            if let Some(number) = number {
+                amended.model.set(at, j, number.value);
+                amended.origins.insert(
+                    name,
+                    Origin {
+                        relative_uncertainty: None,
+                        source: Some(source.clone()),
+                        interval95: number.interval95,
+                    },
+                );
+            }
+        }
+    }
+    let names: Vec<&str> = found
+        .finding
+        .effects
+        .iter()
+        .map(|effect| effect.name.as_str())
+        .collect();
+    let added = if names.is_empty() {
+        "nothing".to_owned()
+    } else {
+        names.join(", ")
+    };
+    Ok(amended.to_toml(&format!(
+        "Written by stickslip diagnose: the model of {} with {added} added and its numbers refitted.",
+        case.name
+    )))
+}

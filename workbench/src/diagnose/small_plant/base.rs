@@ -1,0 +1,111 @@
+//! What an analyst's model of a small plant consists of before anything is added.
+
+use super::term::{Entry, Range, Role, parameter};
+use super::unit::{Dimension, Kind};
+
+/// M·a + viscous·v + offset = force.
+pub const DRIVE: Entry = Entry {
+    name: "drive",
+    description: "mass or inertia with viscous friction under a known force",
+    signature: "",
+    confusable: &[],
+    kinds: &[Kind::Drive],
+    path: None,
+    needs_load: false,
+    role: Role::Added,
+    parameters: &[
+        parameter(
+            "inertia",
+            Dimension::Inertia,
+            Range::Positive,
+            "mass or moment of inertia",
+        ),
+        parameter(
+            "viscous",
+            Dimension::ForcePerSpeed,
+            Range::Free,
+            "viscous friction",
+        ),
+        parameter(
+            "offset",
+            Dimension::Force,
+            Range::Free,
+            "constant force, such as an amplifier's offset",
+        ),
+    ],
+    force: |p, s, _| p[0] * s.acceleration + p[1] * s.velocity + p[2],
+    starts: &[],
+};
+
+/// a + stiffness·sin(x − rest) + viscous·v = 0, all over the moment of inertia.
+pub const PENDULUM: Entry = Entry {
+    name: "pendulum",
+    description: "body that swings freely, with viscous drag",
+    signature: "",
+    confusable: &[],
+    kinds: &[Kind::Pendulum],
+    path: None,
+    needs_load: false,
+    role: Role::Added,
+    parameters: &[
+        parameter(
+            "stiffness",
+            Dimension::ForcePerPosition,
+            Range::Positive,
+            "weight's moment over moment of inertia: square of the small swing's angular frequency",
+        ),
+        parameter("rest", Dimension::Angle, Range::Free, "angle at rest"),
+        parameter(
+            "viscous",
+            Dimension::ForcePerSpeed,
+            Range::Free,
+            "viscous drag over moment of inertia",
+        ),
+    ],
+    force: |p, s, _| p[0] * (s.position - p[1]).sin() + p[2] * s.velocity,
+    starts: &[],
+};
+
+/// (sliding + (breakaway − sliding)·exp(−|v|/speed))·sign v: Stribeck's law.
+pub const CONTACT: Entry = Entry {
+    name: "contact",
+    description: "friction law in the speed alone",
+    signature: "",
+    confusable: &[],
+    kinds: &[Kind::Contact],
+    path: None,
+    needs_load: false,
+    role: Role::Law,
+    parameters: &[
+        parameter(
+            "sliding",
+            Dimension::Force,
+            Range::Free,
+            "friction at high speed",
+        ),
+        parameter(
+            "breakaway",
+            Dimension::Force,
+            Range::Free,
+            "friction at no speed",
+        ),
+        parameter(
+            "speed",
+            Dimension::Speed,
+            Range::Positive,
+            "speed over which it falls from one to the other by 63 %",
+        ),
+    ],
+    force: |p, s, _| (p[0] + (p[1] - p[0]) * (-s.velocity.abs() / p[2]).exp()) * s.direction,
+    starts: &[],
+};
+
+/// The base of a kind.
+#[must_use]
+pub fn base(kind: Kind) -> &'static Entry {
+    match kind {
+        Kind::Drive => &DRIVE,
+        Kind::Pendulum => &PENDULUM,
+        Kind::Contact => &CONTACT,
+    }
+}

@@ -1,0 +1,481 @@
+//! A small plant's case: model, records to learn from, record to judge on.
+
+use std::fs;
+use std::path::{Path as FilePath, PathBuf};
+
+use thiserror::Error;
+
+use super::catalogue::{CATALOGUE, entry};
+use super::columns::Quantity;
+use super::model_file::{SmallModel, SmallModelError};
+use super::motion::{Measured, Motion, Scales, root_mean_square};
+use super::unit::Kind;
+use crate::diagnose::case::{CaseArguments, MODEL_FILE};
+use crate::files::record::{Missing, Record, RecordError};
+
+/// Least length of all records to learn from together [s].
+const SHORTEST: f64 = 5.0;
+/// Most by which a sampling step may differ from the median one, relative to it.
+const JITTER: f64 = 0.02;
+
+/// A case, read and checked.
+#[derive(Debug, Clone)]
+pub struct SmallCase {
+    /// What messages and the report call it.
+    pub name: String,
+    /// The analyst's model.
+    pub model: SmallModel,
+    /// Records to learn from.
+    pub records: Vec<Motion>,
+    /// Record to judge on.
+    pub held_out: Motion,
+    /// Whether the record to judge on goes on where the last one to learn from ends.
+    pub goes_on: bool,
+    /// Usual sizes in the records to learn from.
+    pub scales: Scales,
+    /// Effects taken out of the catalogue.
+    pub without: Vec<String>,
+    /// What has to be said about the records.
+    pub notes: Vec<String>,
+}
+
+/// Why a small plant's case cannot be used.
+#[derive(Debug, Error)]
+pub enum SmallCaseError {
+    /// A file cannot be read.
+    #[error("{path}: cannot be read: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The operating system's reason.
+        source: std::io::Error,
+    },
+    /// The model file is wrong.
+    #[error(transparent)]
+    Model(#[from] SmallModelError),
+    /// A record is no record.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// A column that the model file names is not there.
+    #[error(
+        "{file}: has no column `{column}`, which the model's [columns] names as {quantity}; it has {known}"
+    )]
+    NoColumn {
+        /// The record.
+        file: String,
+        /// The column.
+        column: String,
+        /// What it should be.
+        quantity: &'static str,
+        /// The columns that are there.
+        known: String,
+    },
+    /// A record that cannot be used.
+    #[error("{file}: {what}")]
+    Unusable {
+        /// The record.
+        file: String,
+        /// What is wrong and what would be right.
+        what: String,
+    },
+    /// The command line.
+    #[error("{0}")]
+    Usage(String),
+}
+
+/// A file with the part of it that is meant.
+#[derive(Debug, Clone, PartialEq)]
+struct Part {
+    path: PathBuf,
+    /// From and to [s], in the file's own time.
+    span: Option<(f64, f64)>,
+}
+
+/// The model file that the arguments name.
+#[must_use]
+pub fn model_path(arguments: &CaseArguments) -> Option<PathBuf> {
+    let in_directory = || {
+        arguments
+            .case
+            .as_ref()
+            .map(|directory| directory.join(MODEL_FILE))
+    };
+    arguments.model.clone().or_else(in_directory)
+}
+
+/// Reads and checks a case whose model is that of a small plant.
+///
+/// # Errors
+/// [`SmallCaseError`], naming the file and what would be right.
+pub fn load(arguments: &CaseArguments) -> Result<SmallCase, SmallCaseError> {
+    if let Some(sensors) = &arguments.sensors {
+        return Err(SmallCaseError::Usage(format!(
+            "--sensors {}: a small plant's instruments stand in its model file, [columns] and [measurement]; leave the option out",
+            sensors.display()
+        )));
+    }
+    let path = model_path(arguments).ok_or_else(|| {
+        SmallCaseError::Usage("no model: give a case directory or --model FILE".to_owned())
+    })?;
+    let text = fs::read_to_string(&path).map_err(|source| SmallCaseError::Read {
+        path: path.clone(),
+        source,
+    })?;
+    let model = SmallModel::parse(&text, &path.display().to_string())?;
+    for name in &arguments.without {
+        check_effect(name)
+            .map_err(|what| SmallCaseError::Usage(format!("--without {name}: {what}")))?;
+    }
+    let (parts, held_out_part) = parts(arguments)?;
+    let mut records = Vec::new();
+    for part in &parts {
+        records.push(read(part, &model)?);
+    }
+    let mut held_out = read(&held_out_part, &model)?;
+    let seconds: f64 = records.iter().map(Motion::seconds).sum();
+    if seconds < SHORTEST {
+        return Err(SmallCaseError::Usage(format!(
+            "the records to learn from have {seconds:.1} s together; at least {SHORTEST} s are needed"
+        )));
+    }
+    for (part, record) in parts.iter().zip(&records) {
+        check_apart(part, record, &held_out_part, &held_out)?;
+    }
+    let goes_on = parts
+        .last()
+        .is_some_and(|last| continues(last, &held_out_part));
+    relate_load(&model, &mut records, &mut held_out)?;
+    let scales = Scales::of(&records);
+    for (size, what) in [
+        (scales.speed, "does not move"),
+        (scales.force, "has no force that changes"),
+    ] {
+        if size <= 0.0 || !size.is_finite() {
+            return Err(SmallCaseError::Unusable {
+                file: records[0].name.clone(),
+                what: format!("{what}; nothing can be learned from it"),
+            });
+        }
+    }
+    Ok(SmallCase {
+        name: file_name(arguments.case.as_ref().unwrap_or(&path)),
+        model,
+        records,
+        held_out,
+        goes_on,
+        scales,
+        without: arguments.without.clone(),
+        notes: vec![
+            "no FMU was built: the library's rigs do not include such a plant; model.amended.toml is the amended model"
+                .to_owned(),
+        ],
+    })
+}
+
+/// Refuses names that the small plants' catalogue does not have.
+///
+/// # Errors
+/// What would be right.
+pub fn check_effect(name: &str) -> Result<(), String> {
+    if entry(name).is_some() {
+        return Ok(());
+    }
+    let known: Vec<&str> = CATALOGUE.iter().map(|entry| entry.name).collect();
+    Err(format!(
+        "the catalogue of small plants has no such effect; it has {}",
+        known.join(", ")
+    ))
+}
+
+fn parts(arguments: &CaseArguments) -> Result<(Vec<Part>, Part), SmallCaseError> {
+    if let Some(directory) = &arguments.case {
+        let entries = fs::read_dir(directory).map_err(|source| SmallCaseError::Read {
+            path: directory.clone(),
+            source,
+        })?;
+        let mut records: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        records.retain(|path| {
+            let name = file_name(path);
+            name.starts_with("run-") && name.ends_with(".csv")
+        });
+        records.sort();
+        if records.is_empty() {
+            return Err(SmallCaseError::Usage(format!(
+                "{}: has no record run-*.csv to learn from",
+                directory.display()
+            )));
+        }
+        let whole = |path: PathBuf| Part { path, span: None };
+        return Ok((
+            records.into_iter().map(whole).collect(),
+            whole(directory.join("held-out.csv")),
+        ));
+    }
+    let Some(held_out) = &arguments.held_out else {
+        return Err(SmallCaseError::Usage(
+            "--held-out FILE is needed".to_owned(),
+        ));
+    };
+    let records: Result<Vec<Part>, _> = arguments.records.iter().map(|path| part(path)).collect();
+    Ok((records?, part(held_out)?))
+}
+
+/// `FILE` or `FILE@FROM:TO` with times in seconds.
+fn part(path: &FilePath) -> Result<Part, SmallCaseError> {
+    let text = path.to_string_lossy();
+    let whole = Part {
+        path: path.to_owned(),
+        span: None,
+    };
+    let Some((file, span)) = text.rsplit_once('@').filter(|_| !path.exists()) else {
+        return Ok(whole);
+    };
+    let ends: Option<(f64, f64)> = span
+        .split_once(':')
+        .and_then(|(from, to)| Some((from.parse().ok()?, to.parse().ok()?)));
+    match ends {
+        Some((from, to)) if from < to => Ok(Part {
+            path: PathBuf::from(file),
+            span: Some((from, to)),
+        }),
+        _ => Err(SmallCaseError::Usage(format!(
+            "{text}: what stands after @ must be FROM:TO in seconds, such as {file}@31:40"
+        ))),
+    }
+}
+
+fn read(part: &Part, model: &SmallModel) -> Result<Motion, SmallCaseError> {
+    let file = part.path.display().to_string();
+    let unusable = |what: String| SmallCaseError::Unusable {
+        file: file.clone(),
+        what,
+    };
+    let text = fs::read_to_string(&part.path).map_err(|source| SmallCaseError::Read {
+        path: part.path.clone(),
+        source,
+    })?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let (header, rows) = text.split_once('\n').unwrap_or((text, ""));
+    let names: Vec<&str> = header
+        .split(',')
+        .map(|name| name.trim().trim_matches('"'))
+        .collect();
+    let time_name = &model.columns.time.column;
+    if names.first() != Some(&time_name.as_str()) {
+        return Err(unusable(format!(
+            "the first column is `{}`; the model's [columns] names `{time_name}` as time, which must come first",
+            names.first().unwrap_or(&"")
+        )));
+    }
+    let known = names.join(", ");
+    let renamed = std::iter::once("time").chain(names.into_iter().skip(1));
+    let text = format!("{}\n{rows}", renamed.collect::<Vec<_>>().join(","));
+    let record = Record::parse(&text, &file, Missing::Refuse)?;
+    let path = model.model.path;
+    let factor = |quantity: Quantity| -> f64 {
+        let column = model.columns.given().find(|(given, _)| *given == quantity);
+        column
+            .and_then(|(_, column)| column.factor(quantity, path).ok())
+            .unwrap_or(1.0)
+    };
+    let to_seconds = factor(Quantity::Time);
+    let record = match part.span {
+        Some((from, to)) => record.window(from / to_seconds, to / to_seconds),
+        None => record,
+    };
+    let count = record.len();
+    let interval = record.median_step() * to_seconds;
+    if count < 100 || !interval.is_finite() {
+        return Err(unusable(format!(
+            "{count} samples are too few; at least 100 are needed"
+        )));
+    }
+    for pair in record.time().windows(2) {
+        let step = (pair[1] - pair[0]) * to_seconds;
+        if (step / interval - 1.0).abs() > JITTER {
+            return Err(unusable(format!(
+                "the step at {} s is {step:.6} s where {interval:.6} s is usual; a stretch without holes can be given as {file}@FROM:TO",
+                pair[0] * to_seconds
+            )));
+        }
+    }
+    let rate = 1.0 / interval;
+    let measurement = &model.measurement;
+    for (key, cut_off) in [
+        ("motion_low_pass", Some(measurement.motion_low_pass)),
+        ("compare_low_pass", measurement.compare_low_pass),
+    ] {
+        if cut_off.is_some_and(|cut_off| cut_off >= 0.45 * rate) {
+            return Err(unusable(format!(
+                "is sampled at {rate:.1} Hz; the model's [measurement] {key} must be below {:.1} Hz",
+                0.45 * rate
+            )));
+        }
+    }
+    if measurement.compare_rate > 1.001 * rate {
+        return Err(unusable(format!(
+            "is sampled at {rate:.1} Hz; the model's [measurement] compare_rate must not be above that"
+        )));
+    }
+    let series = |quantity: Quantity| -> Result<Option<Vec<f64>>, SmallCaseError> {
+        let Some((_, column)) = model.columns.given().find(|(given, _)| *given == quantity) else {
+            return Ok(None);
+        };
+        let values = record
+            .column(&column.column)
+            .ok_or_else(|| SmallCaseError::NoColumn {
+                file: file.clone(),
+                column: column.column.clone(),
+                quantity: quantity.word(),
+                known: known.clone(),
+            })?;
+        let factor = factor(quantity);
+        Ok(Some(values.iter().map(|value| value * factor).collect()))
+    };
+    let measured = match (series(Quantity::Position)?, series(Quantity::Velocity)?) {
+        (Some(position), Some(velocity)) => {
+            check_velocity(&position, &velocity, interval).map_err(unusable)?;
+            Measured::Both(position, velocity)
+        }
+        (Some(position), None) => Measured::Position(position),
+        (None, Some(velocity)) => Measured::Velocity(velocity),
+        (None, None) => {
+            return Err(unusable(
+                "neither position nor velocity is named in [columns]".to_owned(),
+            ));
+        }
+    };
+    let begin = record.time()[0] * to_seconds;
+    let name = part.span.map_or_else(
+        || file_name(&part.path),
+        |(from, to)| format!("{} {from}–{to} s", file_name(&part.path)),
+    );
+    let mut motion = Motion::new(
+        name,
+        begin,
+        interval,
+        measured,
+        measurement.motion_low_pass,
+        measurement.standstill_speed,
+    );
+    if let Some(force) = series(Quantity::Force)? {
+        motion.force = force;
+    }
+    if let Some(load) = series(Quantity::Load)? {
+        motion.load = load;
+    }
+    Ok(motion)
+}
+
+/// Refuses a velocity that is not the position's, such as one in rpm called rad/s.
+fn check_velocity(position: &[f64], velocity: &[f64], interval: f64) -> Result<(), String> {
+    // Over some samples, so that the noise of single readings does not count.
+    let wide = 20.min(position.len() / 4).max(1);
+    let (mut product, mut square) = (0.0, 0.0);
+    for at in 0..position.len() - wide {
+        let moved = position[at + wide] - position[at];
+        let summed = velocity[at..at + wide].iter().sum::<f64>() * interval;
+        product += moved * summed;
+        square += summed * summed;
+    }
+    let ratio = product / square;
+    if (0.9..1.1).contains(&ratio) {
+        Ok(())
+    } else {
+        Err(format!(
+            "the position changes {ratio:.4} times as fast as the velocity says; check the units in [columns] (rpm to rad/s is 0.1047, deg to rad 0.01745)"
+        ))
+    }
+}
+
+/// Load over its mean on the records learned from.
+fn relate_load(
+    model: &SmallModel,
+    records: &mut [Motion],
+    held_out: &mut Motion,
+) -> Result<(), SmallCaseError> {
+    if model.columns.load.is_none() {
+        return Ok(());
+    }
+    let all: Vec<f64> = records
+        .iter()
+        .flat_map(|record| record.load.iter().copied())
+        .collect();
+    let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+    if mean <= 0.0 || mean.is_nan() {
+        return Err(SmallCaseError::Unusable {
+            file: records[0].name.clone(),
+            what: format!(
+                "the load is {mean} on average; a contact is pressed together by a positive load"
+            ),
+        });
+    }
+    for load in records
+        .iter_mut()
+        .chain([held_out])
+        .flat_map(|record| &mut record.load)
+    {
+        *load /= mean;
+    }
+    Ok(())
+}
+
+fn same_file(left: &FilePath, right: &FilePath) -> bool {
+    match (left.canonicalize(), right.canonicalize()) {
+        (Ok(left), Ok(right)) => left == right,
+        _ => left == right,
+    }
+}
+
+/// Refuses a record to judge on that was learned from.
+fn check_apart(
+    part: &Part,
+    record: &Motion,
+    held_out_part: &Part,
+    held_out: &Motion,
+) -> Result<(), SmallCaseError> {
+    let overlap = match (part.span, held_out_part.span) {
+        (Some((from, to)), Some((held_from, held_to))) => from < held_to && held_from < to,
+        _ => true,
+    };
+    let count = record.len().min(held_out.len());
+    let equal = (0..count)
+        .filter(|&at| {
+            record.reading[at] == held_out.reading[at] && record.force[at] == held_out.force[at]
+        })
+        .count();
+    let same_values = 2 * equal > count && root_mean_square(&record.velocity) > 0.0;
+    if same_file(&part.path, &held_out_part.path) && overlap || same_values {
+        return Err(SmallCaseError::Unusable {
+            file: held_out.name.clone(),
+            what: format!(
+                "is the same measurement as {}; judge on a record that the model has not seen, or on another part of it: FILE@FROM:TO",
+                record.name
+            ),
+        });
+    }
+    Ok(())
+}
+
+fn continues(last: &Part, held_out: &Part) -> bool {
+    match (last.span, held_out.span) {
+        (Some((_, to)), Some((from, _))) => same_file(&last.path, &held_out.path) && to == from,
+        _ => false,
+    }
+}
+
+/// Last part of a path.
+fn file_name(path: &FilePath) -> String {
+    path.file_name().map_or_else(
+        || path.display().to_string(),
+        |name| name.to_string_lossy().into_owned(),
+    )
+}
+
+impl SmallCase {
+    /// What the plant is.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        self.model.model.kind
+    }
+}

@@ -1,0 +1,200 @@
+//! Which column of a record is which quantity, in which unit.
+
+use serde::Deserialize;
+use std::f64::consts::TAU;
+use thiserror::Error;
+
+use super::unit::{Kind, Path};
+
+/// One column.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Column {
+    /// Its name in the file's header.
+    pub column: String,
+    /// Its unit.
+    pub unit: String,
+    /// What one of `unit` is in SI units; for units that are none of the quantity's own, such as volts of a force.
+    pub factor: Option<f64>,
+}
+
+/// The columns of a record by quantity.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Columns {
+    /// Time, the first column.
+    pub time: Column,
+    /// Position or angle.
+    pub position: Option<Column>,
+    /// Velocity.
+    pub velocity: Option<Column>,
+    /// Force or torque: what drives a drive, what a contact opposes to its motion.
+    pub force: Option<Column>,
+    /// Normal load of a contact.
+    pub load: Option<Column>,
+}
+
+/// What is wrong with a column.
+#[derive(Debug, Error, PartialEq)]
+pub enum ColumnError {
+    /// A quantity is missing or there is one too many.
+    #[error("[columns]: {0}")]
+    Quantity(&'static str),
+    /// A unit that the quantity does not have.
+    #[error(
+        "[columns] {quantity}: unit \"{unit}\" is none of {known}; for another unit give factor = what one of it is in {first}"
+    )]
+    Unit {
+        /// Quantity.
+        quantity: &'static str,
+        /// What stands there.
+        unit: String,
+        /// The quantity's units.
+        known: String,
+        /// The SI unit.
+        first: &'static str,
+    },
+    /// A factor beside a unit that has its own.
+    #[error(
+        "[columns] {quantity}: \"{unit}\" needs no factor; leave it out, or give the unit that the column really has"
+    )]
+    Superfluous {
+        /// Quantity.
+        quantity: &'static str,
+        /// What stands there.
+        unit: String,
+    },
+    /// A factor that is no number to multiply with.
+    #[error("[columns] {quantity}: factor = {factor} must be a finite number other than 0")]
+    Factor {
+        /// Quantity.
+        quantity: &'static str,
+        /// What stands there.
+        factor: f64,
+    },
+}
+
+/// Quantities with their units, SI first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Time.
+    Time,
+    /// Position.
+    Position,
+    /// Velocity.
+    Velocity,
+    /// Force.
+    Force,
+    /// Load.
+    Load,
+}
+
+impl Quantity {
+    /// Key in the model file.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::Force => "force",
+            Self::Load => "load",
+        }
+    }
+
+    fn units(self, path: Path) -> &'static [(&'static str, f64)] {
+        match (self, path) {
+            (Self::Time, _) => &[("s", 1.0), ("ms", 1e-3), ("min", 60.0)],
+            (Self::Position, Path::Line) => &[("m", 1.0), ("mm", 1e-3), ("um", 1e-6)],
+            (Self::Position, Path::Turn) => &[("rad", 1.0), ("deg", TAU / 360.0), ("rev", TAU)],
+            (Self::Velocity, Path::Line) => &[("m/s", 1.0), ("mm/s", 1e-3)],
+            (Self::Velocity, Path::Turn) => {
+                &[("rad/s", 1.0), ("deg/s", TAU / 360.0), ("rpm", TAU / 60.0)]
+            }
+            (Self::Force, Path::Turn) => &[("N m", 1.0), ("mN m", 1e-3), ("kN m", 1e3)],
+            (Self::Force, Path::Line) | (Self::Load, _) => &[("N", 1.0), ("kN", 1e3)],
+        }
+    }
+}
+
+impl Column {
+    /// What one of the column's unit is in SI units.
+    ///
+    /// # Errors
+    /// [`ColumnError`] where the unit is none of the quantity's and no factor is given, or the factor is superfluous.
+    pub fn factor(&self, quantity: Quantity, path: Path) -> Result<f64, ColumnError> {
+        let units = quantity.units(path);
+        let known = units.iter().find(|(unit, _)| *unit == self.unit);
+        match (known, self.factor) {
+            (Some((_, factor)), None) => Ok(*factor),
+            (Some(_), Some(_)) => Err(ColumnError::Superfluous {
+                quantity: quantity.word(),
+                unit: self.unit.clone(),
+            }),
+            (None, Some(factor)) if factor.is_finite() && factor != 0.0 => Ok(factor),
+            (None, Some(factor)) => Err(ColumnError::Factor {
+                quantity: quantity.word(),
+                factor,
+            }),
+            (None, None) => Err(ColumnError::Unit {
+                quantity: quantity.word(),
+                unit: self.unit.clone(),
+                known: units
+                    .iter()
+                    .map(|(unit, _)| *unit)
+                    .collect::<Vec<_>>()
+                    .join(", "),
+                first: units[0].0,
+            }),
+        }
+    }
+}
+
+impl Columns {
+    /// Checks that a plant of this kind has what it needs, in units that are known.
+    ///
+    /// # Errors
+    /// [`ColumnError`], saying what would be right.
+    pub fn check(&self, kind: Kind, path: Path) -> Result<(), ColumnError> {
+        let missing = match kind {
+            Kind::Drive if self.position.is_none() => Some("a drive needs position and force"),
+            Kind::Drive if self.force.is_none() => Some("a drive needs the force that drives it"),
+            Kind::Pendulum if self.position.is_none() => {
+                Some("a pendulum needs position, its angle")
+            }
+            Kind::Pendulum if self.force.is_some() => {
+                Some("a pendulum that swings freely has no force; leave the line out")
+            }
+            Kind::Contact if self.force.is_none() => Some("a contact needs force, its torque"),
+            Kind::Contact if self.velocity.is_none() && self.position.is_none() => {
+                Some("a contact needs velocity or position")
+            }
+            _ if self.load.is_some() && kind != Kind::Contact => {
+                Some("load belongs to a contact alone; leave the line out")
+            }
+            _ => None,
+        };
+        if let Some(what) = missing {
+            return Err(ColumnError::Quantity(what));
+        }
+        for (quantity, column) in self.given() {
+            column.factor(quantity, path)?;
+        }
+        Ok(())
+    }
+
+    /// All columns that are named.
+    pub fn given(&self) -> impl Iterator<Item = (Quantity, &Column)> {
+        let optional = [
+            (Quantity::Position, &self.position),
+            (Quantity::Velocity, &self.velocity),
+            (Quantity::Force, &self.force),
+            (Quantity::Load, &self.load),
+        ];
+        std::iter::once((Quantity::Time, &self.time)).chain(
+            optional
+                .into_iter()
+                .filter_map(|(quantity, column)| column.as_ref().map(|column| (quantity, column))),
+        )
+    }
+}

@@ -1,0 +1,201 @@
+//! The commands `diagnose`, `locate`, `name`, `amend` and `show` on small plants.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, anyhow};
+
+use super::amend::{amended_text, described, named};
+use super::case::{SmallCase, check_effect, load, model_path};
+use super::catalogue::entry;
+use super::console::screen;
+use super::finding::SmallFinding;
+use super::model::Model;
+use super::model_file::{SmallModel, is_small_plant};
+use super::naming::{candidates, fit_base, fit_with, name as name_effects};
+use super::report::page;
+use super::showing::{balance, models_on_the_way, polished, step};
+use super::term::Entry;
+use crate::cli::Outcome;
+use crate::diagnose::amend::FILE as AMENDED;
+use crate::diagnose::case::CaseArguments;
+use crate::diagnose::finding::VerdictName;
+use crate::diagnose::report::FILE as REPORT;
+use crate::files::atomic;
+
+/// A stage, or all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage<'a> {
+    /// All stages in turn.
+    All,
+    /// Where model and records disagree.
+    Locate,
+    /// Which effects are missing.
+    Name,
+    /// The amended model, with the finding's effects or those given.
+    Amend(&'a [String]),
+    /// Before and after, and the report.
+    Show,
+}
+
+/// Whether the arguments are about a small plant; a model that cannot be read is left to the rig's own messages.
+#[must_use]
+pub fn concerns(arguments: &CaseArguments) -> bool {
+    model_path(arguments)
+        .and_then(|path| std::fs::read_to_string(path).ok())
+        .is_some_and(|text| is_small_plant(&text))
+}
+
+/// Runs a stage; the screen's text comes with its outcome.
+///
+/// # Errors
+/// Whatever is wrong with the input; the exit code is then 2.
+pub fn run(
+    arguments: &CaseArguments,
+    stage: Stage<'_>,
+    out: &Path,
+    progress: &mut dyn FnMut(&str),
+) -> anyhow::Result<(Outcome, String)> {
+    let begun = Instant::now();
+    let case = load(arguments)?;
+    let mut found = match stage {
+        Stage::All | Stage::Name => named_finding(&case, progress),
+        Stage::Locate => located(&case, progress),
+        Stage::Amend(effects) if !effects.is_empty() => forced(&case, effects, progress)?,
+        Stage::Amend(_) | Stage::Show => SmallFinding::read(out)?,
+    };
+    let mut text = String::new();
+    if matches!(stage, Stage::All | Stage::Amend(_)) {
+        text = amended_text(&case, &found).map_err(|what| anyhow!(what))?;
+        atomic::write_file(&out.join(AMENDED), text.as_bytes())?;
+    }
+    if stage == Stage::Show {
+        let path = out.join(AMENDED);
+        text = std::fs::read_to_string(&path).with_context(|| {
+            format!(
+                "{}: run `stickslip amend` into this directory first",
+                path.display()
+            )
+        })?;
+    }
+    if matches!(stage, Stage::All | Stage::Show) {
+        let [before, after] = show(&case, &mut found, &text, progress)?;
+        progress("report");
+        let page = page(&case, &found, &before, &after);
+        atomic::write_file(&out.join(REPORT), page.as_bytes())?;
+    }
+    found.finding.seconds = begun.elapsed().as_secs_f64();
+    found.write(out)?;
+    let settled = match stage {
+        Stage::All | Stage::Show => found.is_settled(),
+        Stage::Name => found.finding.verdict != VerdictName::NotInCatalogue,
+        Stage::Locate => found.finding.verdict == VerdictName::NothingMissing,
+        Stage::Amend(_) => true,
+    };
+    let outcome = if settled {
+        Outcome::Done
+    } else {
+        Outcome::CheckFailed
+    };
+    Ok((outcome, screen(&case.name, &found)))
+}
+
+fn named_finding(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {
+    let has_load = case.model.columns.load.is_some();
+    let open = candidates(&case.model.model, has_load, &case.without);
+    let problem = balance(case);
+    let naming = name_effects(&problem, &case.model.model, &case.scales, &open, progress);
+    progress("numbers and their intervals");
+    named(case, &naming)
+}
+
+fn located(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {
+    progress("nominal parameters");
+    let base = fit_base(&balance(case), &case.model.model, &case.scales);
+    let mut found = described(case, &base, &polished(case, &base), &[]);
+    if found
+        .finding
+        .structure
+        .iter()
+        .any(|place| place.significant)
+    {
+        found.finding.verdict = VerdictName::NotInCatalogue;
+    }
+    found
+}
+
+fn forced(
+    case: &SmallCase,
+    effects: &[String],
+    progress: &mut dyn FnMut(&str),
+) -> anyhow::Result<SmallFinding> {
+    let entries = entries(case, effects)?;
+    let problem = balance(case);
+    progress("nominal parameters");
+    let base = fit_base(&problem, &case.model.model, &case.scales);
+    let mut fitted = base.clone();
+    for entry in entries {
+        progress(entry.name);
+        fitted = fit_with(&problem, &fitted.model, entry, &case.scales);
+    }
+    let mut found = described(case, &base, &polished(case, &fitted), &[]);
+    if found.finding.verdict != VerdictName::NotInCatalogue {
+        found.finding.verdict = VerdictName::Named;
+    }
+    Ok(found)
+}
+
+fn entries(case: &SmallCase, effects: &[String]) -> anyhow::Result<Vec<&'static Entry>> {
+    let has_load = case.model.columns.load.is_some();
+    let model = &case.model.model;
+    effects
+        .iter()
+        .map(|name| {
+            check_effect(name).map_err(|what| anyhow!("--effect {name}: {what}"))?;
+            entry(name)
+                .filter(|entry| entry.fits(model.kind, model.path, has_load) && !model.has(name))
+                .ok_or_else(|| {
+                    let open: Vec<&str> = candidates(model, has_load, &[])
+                        .iter()
+                        .map(|entry| entry.name)
+                        .collect();
+                    anyhow!(
+                        "--effect {name}: cannot be added to this {}; what can be is {}",
+                        model.kind.word(),
+                        open.join(", ")
+                    )
+                })
+        })
+        .collect()
+}
+
+fn show(
+    case: &SmallCase,
+    found: &mut SmallFinding,
+    amended: &str,
+    progress: &mut dyn FnMut(&str),
+) -> anyhow::Result<[Model; 2]> {
+    let names: Vec<String> = found
+        .finding
+        .effects
+        .iter()
+        .map(|effect| effect.name.clone())
+        .collect();
+    let entries = entries(case, &names)?;
+    let mut models = models_on_the_way(case, &entries, progress);
+    let base = models[0].clone();
+    // The last one is the file's, which a person may have changed.
+    let last = SmallModel::parse(amended, AMENDED)?.model;
+    if names.is_empty() {
+        models.push(last.clone());
+    } else if let Some(end) = models.last_mut() {
+        end.clone_from(&last);
+    }
+    progress("held-out record");
+    let effects = std::iter::once(None).chain(names.iter().map(|name| Some(name.as_str())));
+    found.small_plant.steps = effects
+        .zip(&models)
+        .map(|(effect, model)| step(case, effect, model))
+        .collect();
+    Ok([base, last])
+}

@@ -1,0 +1,173 @@
+//! A small plant's answer on one screen.
+
+use std::fmt::Write as _;
+
+use super::catalogue::entry;
+use super::finding::{ErrorSize, SmallFinding};
+use crate::diagnose::console::{number, percent, readable};
+use crate::diagnose::finding::{FoundEffect, VerdictName};
+
+/// The answer in sentences, most important first.
+#[must_use]
+pub fn answer(found: &SmallFinding) -> Vec<String> {
+    let finding = &found.finding;
+    let mut lines = Vec::new();
+    let added = |lines: &mut Vec<String>, what: &str| {
+        for effect in &finding.effects {
+            lines.push(format!("{what}: {}.", described(effect)));
+        }
+    };
+    match finding.verdict {
+        VerdictName::NothingMissing => {
+            lines.push(
+                "Nothing is missing: no effect of the catalogue explains more than chance does."
+                    .to_owned(),
+            );
+        }
+        VerdictName::Parameters => {
+            lines.push(
+                "No effect is missing: other nominal parameters explain the records.".to_owned(),
+            );
+        }
+        VerdictName::Named => added(&mut lines, "Missing"),
+        VerdictName::Ambiguous => {
+            let names: Vec<String> = finding
+                .alternatives
+                .iter()
+                .map(|name| readable(name))
+                .collect();
+            lines.push(format!(
+                "These records cannot tell apart: {}.",
+                names.join(", ")
+            ));
+            added(&mut lines, "Added to the model");
+        }
+        VerdictName::NotInCatalogue => {
+            lines.push("Something is missing that no effect of the catalogue explains.".to_owned());
+            added(&mut lines, "Added on the way");
+            if let Some(place) = finding.structure_left.first() {
+                lines.push(format!(
+                    "What is left is structured over the {}: a free function of one coordinate explains {} of it.",
+                    readable(&place.coordinate),
+                    percent(found.small_plant.share_left)
+                ));
+            }
+        }
+    }
+    if let [first, .., last] = &found.small_plant.steps[..] {
+        lines.push(format!(
+            "Error of the {} on the held-out record: {} before, {} after.",
+            found.small_plant.quantity,
+            size(&first.held_out, &found.small_plant.unit),
+            size(&last.held_out, &found.small_plant.unit)
+        ));
+    }
+    lines
+}
+
+/// An error in its unit and as a share.
+#[must_use]
+pub fn size(error: &ErrorSize, unit: &str) -> String {
+    format!(
+        "{} {unit} ({:.3} %)",
+        number(error.rmse),
+        100.0 * error.relative
+    )
+}
+
+fn described(effect: &FoundEffect) -> String {
+    let what = entry(&effect.name).map_or("", |entry| entry.description);
+    let mut text = format!("{} ({what})", readable(&effect.name));
+    for (key, value) in &effect.parameters {
+        let _ = write!(text, "; {key} = {} {}", number(value.value), value.unit);
+        if let Some([low, high]) = value.interval95 {
+            let _ = write!(text, " [{} … {}]", number(low), number(high));
+        }
+    }
+    text
+}
+
+/// The whole screen.
+#[must_use]
+pub fn screen(case: &str, found: &SmallFinding) -> String {
+    let finding = &found.finding;
+    let mut text = format!(
+        "{case} ({}): {}\n\n",
+        found.small_plant.kind,
+        finding.verdict.word()
+    );
+    for line in answer(found) {
+        let _ = writeln!(text, "  {line}");
+    }
+    let places: Vec<String> = finding
+        .structure
+        .iter()
+        .filter(|place| place.significant)
+        .take(4)
+        .map(|place| readable(&place.coordinate))
+        .collect();
+    if !places.is_empty() {
+        let _ = writeln!(text, "\n  where they disagree  {}", places.join(", "));
+    }
+    if !finding.ranking.is_empty() {
+        let _ = writeln!(
+            text,
+            "\n  {:26}{:>10}   95 % interval",
+            "candidates", "gain"
+        );
+        for ranked in finding.ranking.iter().take(6) {
+            let [low, high] = ranked.interval95;
+            let _ = writeln!(
+                text,
+                "  {:26}{:>10}   {} … {}",
+                ranked.name,
+                number(ranked.gain),
+                number(low),
+                number(high)
+            );
+        }
+    }
+    for (at, named) in found.small_plant.gains.iter().enumerate() {
+        let [low, high] = named.interval95;
+        let _ = writeln!(
+            text,
+            "{}{:26}{:>10}   {} … {}",
+            if at == 0 {
+                "\n  named, each on top of those before\n  "
+            } else {
+                "  "
+            },
+            named.name,
+            number(named.gain),
+            number(low),
+            number(high)
+        );
+    }
+    let steps = &found.small_plant.steps;
+    if !steps.is_empty() {
+        let unit = &found.small_plant.unit;
+        let _ = writeln!(
+            text,
+            "\n  {:28}{:>26}{:>26}",
+            "model", "learned from", "held out"
+        );
+        for step in steps {
+            let name = step
+                .effect
+                .as_ref()
+                .map_or("the analyst's, refitted".to_owned(), |effect| {
+                    format!("+ {effect}")
+                });
+            let _ = writeln!(
+                text,
+                "  {name:28}{:>26}{:>26}",
+                size(&step.learned, unit),
+                size(&step.held_out, unit)
+            );
+        }
+    }
+    for note in &finding.notes {
+        let _ = writeln!(text, "\n  note: {note}");
+    }
+    text
+}

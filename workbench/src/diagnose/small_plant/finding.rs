@@ -1,0 +1,104 @@
+//! `finding.json` of a small plant: what the rig's has, and the error after each effect.
+
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::diagnose::finding::{FILE, Finding, FindingError, Ranked, VerdictName};
+use crate::files::atomic;
+
+/// What a diagnosis of a small plant found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SmallFinding {
+    /// What every diagnosis has; `gap` stays empty, since it is measured through FMUs.
+    #[serde(flatten)]
+    pub finding: Finding,
+    /// What is particular to a small plant.
+    pub small_plant: Course,
+}
+
+/// The errors on the way from the analyst's to the amended model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Course {
+    /// `drive`, `pendulum` or `contact`.
+    pub kind: String,
+    /// What the errors are of, in words.
+    pub quantity: String,
+    /// Unit of `rmse`.
+    pub unit: String,
+    /// Share of what is left that a free function of one coordinate explains, on what it was not fitted to.
+    pub share_left: f64,
+    /// The effects that were named, in that order, each with its gain over the model before it.
+    pub gains: Vec<Ranked>,
+    /// The analyst's model with its numbers refitted, then the model after each effect; empty before the stage `show`.
+    pub steps: Vec<Step>,
+}
+
+/// A model on the way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// The effect that came in with it; absent for the analyst's model.
+    pub effect: Option<String>,
+    /// On the records learned from.
+    pub learned: ErrorSize,
+    /// On the held-out record.
+    pub held_out: ErrorSize,
+}
+
+/// Size of an error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ErrorSize {
+    /// Root mean square.
+    pub rmse: f64,
+    /// ‖y − ŷ‖/‖y‖.
+    pub relative: f64,
+}
+
+impl SmallFinding {
+    /// Reads `finding.json` of a directory.
+    ///
+    /// # Errors
+    /// [`FindingError`], naming the file and what is wrong.
+    pub fn read(directory: &Path) -> Result<Self, FindingError> {
+        let path = directory.join(FILE);
+        let name = path.display().to_string();
+        let text = fs::read_to_string(&path).map_err(|source| FindingError::Read {
+            path: name.clone(),
+            source,
+        })?;
+        serde_json::from_str(&text).map_err(|source| FindingError::Syntax { path: name, source })
+    }
+
+    /// Writes `finding.json` into a directory, whole or not at all.
+    ///
+    /// # Errors
+    /// [`FindingError`].
+    pub fn write(&self, directory: &Path) -> Result<(), FindingError> {
+        let path = directory.join(FILE);
+        let mut text =
+            serde_json::to_string_pretty(self).map_err(|source| FindingError::Syntax {
+                path: path.display().to_string(),
+                source,
+            })?;
+        text.push('\n');
+        Ok(atomic::write_file(&path, text.as_bytes())?)
+    }
+
+    /// Whether the model is now right as far as the records tell.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        let improved = match (
+            self.small_plant.steps.first(),
+            self.small_plant.steps.last(),
+        ) {
+            (Some(first), Some(last)) => last.held_out.rmse <= first.held_out.rmse,
+            _ => true,
+        };
+        match self.finding.verdict {
+            VerdictName::NothingMissing => true,
+            VerdictName::NotInCatalogue => false,
+            VerdictName::Parameters | VerdictName::Named | VerdictName::Ambiguous => improved,
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Fits: damped Gauss–Newton steps (Levenberg, Marquardt) that keep the normal equations of every piece.
+//!
+//! The pieces' own normal equations are what cross-validation and robust intervals are made of, which is why no library
+//! does this. Numbers that must be positive or between bounds are fitted through a transformation, so that no step leaves
+//! their range.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::model::Model;
+use super::motion::Scales;
+use super::problem::{Problem, square};
+use super::term::Range;
+
+/// Step of the differences, in units of a number's usual size.
+const STEP: f64 = 1e-5;
+/// Share of the loss below which an improvement counts as none.
+const SETTLED: f64 = 1e-9;
+/// Damping beyond which no step is short enough.
+const HOPELESS: f64 = 1e10;
+
+/// A model fitted to records.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The model.
+    pub model: Model,
+    /// Its residuals, piece by piece.
+    pub residuals: Vec<Vec<f64>>,
+    /// Sum of squares of the residuals it was fitted to.
+    pub loss: f64,
+}
+
+/// Transformed numbers and back.
+struct Coordinates {
+    places: Vec<(usize, usize, Range, f64)>,
+}
+
+impl Coordinates {
+    fn new(model: &Model, scales: &Scales) -> Self {
+        let places = model
+            .free()
+            .into_iter()
+            .map(|(term, at, parameter)| {
+                (term, at, parameter.range, parameter.dimension.scale(scales))
+            })
+            .collect();
+        Self { places }
+    }
+
+    fn of(&self, model: &Model) -> Vec<f64> {
+        self.places
+            .iter()
+            .map(|&(term, at, range, scale)| {
+                let value = model.value(term, at);
+                match range {
+                    Range::Free => value / scale,
+                    Range::Positive => (value / scale).ln(),
+                    Range::Within(low, high) => {
+                        (std::f64::consts::PI * ((value - low) / (high - low) - 0.5)).tan()
+                    }
+                }
+            })
+            .collect()
+    }
+
+    fn set(&self, model: &Model, coordinates: &[f64]) -> Model {
+        let mut model = model.clone();
+        for (&(term, at, range, scale), x) in self.places.iter().zip(coordinates) {
+            let value = match range {
+                Range::Free => x * scale,
+                Range::Positive => x.exp() * scale,
+                Range::Within(low, high) => {
+                    low + (high - low) * (0.5 + x.atan() / std::f64::consts::PI)
+                }
+            };
+            model.set(term, at, value);
+        }
+        model
+    }
+}
+
+/// Derivatives of the residuals, piece by piece: one row per residual, one column per free number.
+fn jacobian(
+    problem: &dyn Problem,
+    coordinates: &Coordinates,
+    model: &Model,
+    residuals: &[Vec<f64>],
+) -> Vec<DMatrix<f64>> {
+    let x = coordinates.of(model);
+    let mut pieces: Vec<DMatrix<f64>> = residuals
+        .iter()
+        .map(|piece| DMatrix::zeros(piece.len(), x.len()))
+        .collect();
+    for column in 0..x.len() {
+        let mut shifted = x.clone();
+        shifted[column] += STEP;
+        let moved = problem.residuals(&coordinates.set(model, &shifted));
+        for ((piece, before), after) in pieces.iter_mut().zip(residuals).zip(&moved) {
+            for (row, (b, a)) in before.iter().zip(after).enumerate() {
+                piece[(row, column)] = (a - b) / STEP;
+            }
+        }
+    }
+    pieces
+}
+
+/// Fits all free numbers of `model`, leaving out the pieces of fold `without`, in at most `steps` steps.
+#[must_use]
+pub fn fit(
+    problem: &dyn Problem,
+    model: &Model,
+    scales: &Scales,
+    without: Option<usize>,
+    steps: usize,
+) -> Fit {
+    let coordinates = Coordinates::new(model, scales);
+    let used: Vec<bool> = problem
+        .folds()
+        .iter()
+        .map(|fold| Some(*fold) != without)
+        .collect();
+    let loss = |residuals: &[Vec<f64>]| -> f64 {
+        residuals
+            .iter()
+            .zip(&used)
+            .filter(|(_, used)| **used)
+            .flat_map(|(piece, _)| piece)
+            .map(|r| r * r)
+            .sum()
+    };
+    let mut best = Fit {
+        model: model.clone(),
+        residuals: problem.residuals(model),
+        loss: 0.0,
+    };
+    best.loss = loss(&best.residuals);
+    let mut damping = 1e-3;
+    for _ in 0..steps {
+        let pieces = jacobian(problem, &coordinates, &best.model, &best.residuals);
+        let size = coordinates.places.len();
+        let mut normal = DMatrix::zeros(size, size);
+        let mut gradient = DVector::zeros(size);
+        for ((jacobian, residuals), _) in pieces
+            .iter()
+            .zip(&best.residuals)
+            .zip(&used)
+            .filter(|(_, used)| **used)
+        {
+            normal += jacobian.tr_mul(jacobian);
+            gradient += jacobian.tr_mul(&DVector::from_column_slice(residuals));
+        }
+        let x = coordinates.of(&best.model);
+        let before = best.loss;
+        while damping < HOPELESS {
+            if let Some(step) = damped_step(&normal, &gradient, damping) {
+                let moved: Vec<f64> = x.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect();
+                let model = coordinates.set(&best.model, &moved);
+                let residuals = problem.residuals(&model);
+                let loss = loss(&residuals);
+                if loss < best.loss {
+                    best = Fit {
+                        model,
+                        residuals,
+                        loss,
+                    };
+                    damping = (0.2 * damping).max(1e-12);
+                    break;
+                }
+            }
+            damping *= 6.0;
+        }
+        if best.loss > before * (1.0 - SETTLED) {
+            break;
+        }
+    }
+    best
+}
+
+fn damped_step(
+    normal: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    damping: f64,
+) -> Option<DVector<f64>> {
+    let mut damped = normal.clone();
+    let largest = normal.diagonal().max();
+    for j in 0..damped.nrows() {
+        // A number without any influence must not make the matrix singular.
+        damped[(j, j)] += damping * normal[(j, j)] + 1e-14 * largest;
+    }
+    damped.cholesky().map(|factor| factor.solve(gradient))
+}
+
+/// Intervals that cover each free number with 95 % probability, by term and parameter.
+///
+/// The spread is that between pieces (sandwich estimate), so that residuals may be correlated within them.
+#[must_use]
+pub fn intervals(
+    problem: &dyn Problem,
+    fit: &Fit,
+    scales: &Scales,
+) -> Vec<(usize, usize, [f64; 2])> {
+    let coordinates = Coordinates::new(&fit.model, scales);
+    let pieces = jacobian(problem, &coordinates, &fit.model, &fit.residuals);
+    let size = coordinates.places.len();
+    let mut normal = DMatrix::<f64>::zeros(size, size);
+    let mut between = DMatrix::<f64>::zeros(size, size);
+    for (jacobian, residuals) in pieces.iter().zip(&fit.residuals) {
+        normal += jacobian.tr_mul(jacobian);
+        let pull = jacobian.tr_mul(&DVector::from_column_slice(residuals));
+        between += &pull * pull.transpose();
+    }
+    let count = pieces.len() as f64;
+    // Fewer pieces than numbers say nothing about the spread between them.
+    let correction = count / (count - size as f64).max(1.0);
+    let Some(inverse) = normal.try_inverse() else {
+        return Vec::new();
+    };
+    let covariance = &inverse * between * &inverse * correction;
+    let x = coordinates.of(&fit.model);
+    coordinates
+        .places
+        .iter()
+        .enumerate()
+        .map(|(j, &(term, at, _, _))| {
+            let half = 1.96 * covariance[(j, j)].max(0.0).sqrt();
+            let end = |shift: f64| {
+                let mut moved = x.clone();
+                moved[j] += shift;
+                coordinates.set(&fit.model, &moved).value(term, at)
+            };
+            (term, at, [end(-half), end(half)])
+        })
+        .collect()
+}
+
+/// Loss of a fit on all pieces, whatever it was fitted to.
+#[must_use]
+pub fn whole_loss(fit: &Fit) -> f64 {
+    square(&fit.residuals)
+}

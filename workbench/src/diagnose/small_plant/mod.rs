@@ -1,0 +1,30 @@
+//! Small plants: a drive under a known force, a pendulum that swings freely, a contact whose torque and motion are measured.
+//!
+//! Their motion is measured, so that a model is judged by the force it needs for that motion (drive, contact) or by the swing
+//! it predicts (pendulum). A [`model::Model`] is a base and effects, each a term of one equation; a [`problem::Problem`] gives
+//! its residuals; [`least_squares`] fits, [`evidence`] judges on what was left out, [`naming`] names one effect after the
+//! other. The commands are those of the rig: [`command`].
+
+pub mod amend;
+pub mod balance;
+pub mod base;
+pub mod case;
+pub mod catalogue;
+pub mod columns;
+pub mod command;
+pub mod console;
+pub mod evidence;
+pub mod filter;
+pub mod finding;
+pub mod least_squares;
+pub mod model;
+pub mod model_file;
+pub mod motion;
+pub mod naming;
+pub mod problem;
+pub mod report;
+pub mod showing;
+pub mod structure;
+pub mod swing;
+pub mod term;
+pub mod unit;

@@ -1,0 +1,131 @@
+//! A small plant's model: its base and the effects added to it.
+
+use super::base::base;
+use super::term::{Entry, Parameter, Role, Sample};
+use super::unit::{Dimension, Kind, Path};
+
+/// A term with its numbers.
+#[derive(Debug, Clone)]
+pub struct Term {
+    /// What it is.
+    pub entry: &'static Entry,
+    /// Its numbers, in the order of the entry's parameters, SI.
+    pub values: Vec<f64>,
+}
+
+/// The model: the base first, then the effects in the order in which they were added.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// What the plant is.
+    pub kind: Kind,
+    /// Along what it moves.
+    pub path: Path,
+    terms: Vec<Term>,
+}
+
+impl Model {
+    /// The base alone, with its numbers.
+    #[must_use]
+    pub fn new(kind: Kind, path: Path, values: Vec<f64>) -> Self {
+        let entry = base(kind);
+        Self {
+            kind,
+            path,
+            terms: vec![Term { entry, values }],
+        }
+    }
+
+    /// The model with one effect more.
+    #[must_use]
+    pub fn with(&self, entry: &'static Entry, values: Vec<f64>) -> Self {
+        let mut model = self.clone();
+        model.terms.push(Term { entry, values });
+        model
+    }
+
+    /// The model without an effect.
+    #[must_use]
+    pub fn without(&self, name: &str) -> Self {
+        let mut model = self.clone();
+        model.terms.retain(|term| term.entry.name != name);
+        model
+    }
+
+    /// Base and effects.
+    #[must_use]
+    pub fn terms(&self) -> &[Term] {
+        &self.terms
+    }
+
+    /// Whether it has this effect.
+    #[must_use]
+    pub fn has(&self, name: &str) -> bool {
+        self.terms.iter().any(|term| term.entry.name == name)
+    }
+
+    /// Force against the motion at a moment: what drives the plant must be equal to it.
+    #[must_use]
+    pub fn force(&self, sample: &Sample) -> f64 {
+        let law = self.law_in_force();
+        let (mut friction, mut other) = (0.0, 0.0);
+        for (at, term) in self.terms.iter().enumerate() {
+            match term.entry.role {
+                Role::Law if at == law => friction += (term.entry.force)(&term.values, sample, 0.0),
+                Role::Friction => friction += (term.entry.force)(&term.values, sample, 0.0),
+                Role::Law | Role::Shift | Role::Added => {}
+            }
+        }
+        for term in self.terms.iter().filter(|t| t.entry.role == Role::Added) {
+            other += (term.entry.force)(&term.values, sample, friction);
+        }
+        friction + other
+    }
+
+    /// Time by which the motion's readings lag behind the force [s].
+    #[must_use]
+    pub fn delay(&self) -> f64 {
+        let law = self.law_in_force();
+        self.terms
+            .iter()
+            .enumerate()
+            .filter(|(at, term)| term.entry.role == Role::Shift || *at == law)
+            .flat_map(|(_, term)| term.entry.parameters.iter().zip(&term.values))
+            .filter(|(parameter, _)| parameter.dimension == Dimension::Delay)
+            .map(|(_, value)| value)
+            .sum()
+    }
+
+    /// The friction law that holds: the last one replaces those before.
+    fn law_in_force(&self) -> usize {
+        self.terms
+            .iter()
+            .rposition(|term| term.entry.role == Role::Law)
+            .unwrap_or(usize::MAX)
+    }
+
+    /// The numbers that the records can say something about: those of a law that was replaced cannot.
+    #[must_use]
+    pub fn free(&self) -> Vec<(usize, usize, &'static Parameter)> {
+        let law = self.law_in_force();
+        self.terms
+            .iter()
+            .enumerate()
+            .filter(|(at, term)| term.entry.role != Role::Law || *at == law)
+            .flat_map(|(at, term)| {
+                let parameters = term.entry.parameters.iter().enumerate();
+                parameters.map(move |(j, parameter)| (at, j, parameter))
+            })
+            .collect()
+    }
+
+    /// A number.
+    #[must_use]
+    pub fn value(&self, term: usize, parameter: usize) -> f64 {
+        self.terms[term].values[parameter]
+    }
+
+    /// Sets a number.
+    pub fn set(&mut self, term: usize, parameter: usize, value: f64) {
+        self.terms[term].values[parameter] = value;
+    }
+}

@@ -1,0 +1,521 @@
+//! `model.toml` of a small plant: what it is, its columns, how it is measured, its numbers and effects.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use serde::Deserialize;
+use thiserror::Error;
+use toml::Value;
+
+use super::base::base;
+use super::catalogue::{CATALOGUE, entry};
+use super::columns::{Column, ColumnError, Columns};
+use super::model::Model;
+use super::term::{Entry, Range};
+use super::unit::{Kind, Path};
+
+/// What is wrong with a small plant's model file.
+#[derive(Debug, Error)]
+pub enum SmallModelError {
+    /// Not TOML, or a key of a fixed section is missing, unknown or of the wrong type.
+    #[error("{file}: {message}")]
+    Syntax {
+        /// File.
+        file: String,
+        /// What the parser says.
+        message: String,
+    },
+    /// A wrong word or number.
+    #[error("{file}: [{section}] {key} = {found} must be {expected}")]
+    Value {
+        /// File.
+        file: String,
+        /// Section.
+        section: String,
+        /// Key.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// A section or key is missing.
+    #[error("{file}: [{section}] is missing or lacks {key}; it needs {expected}")]
+    Missing {
+        /// File.
+        file: String,
+        /// Section.
+        section: String,
+        /// Key.
+        key: String,
+        /// What belongs there.
+        expected: String,
+    },
+    /// A section or key that nobody knows.
+    #[error("{file}: there is no {what}; known are {known}")]
+    Unknown {
+        /// File.
+        file: String,
+        /// The section or key.
+        what: String,
+        /// The known ones.
+        known: String,
+    },
+    /// A column is wrong.
+    #[error("{file}: {source}")]
+    Column {
+        /// File.
+        file: String,
+        /// What is wrong.
+        source: ColumnError,
+    },
+}
+
+/// How force and motion are made comparable.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measurement {
+    /// Cut-off of the low-pass that the motion goes through before it is differentiated [Hz].
+    pub motion_low_pass: f64,
+    /// Cut-off of the low-pass that the measured and the model's force go through alike [Hz]; none where it is left out.
+    pub compare_low_pass: Option<f64>,
+    /// Rate at which they are compared [Hz]; of a pendulum, rate of its simulation.
+    pub compare_rate: f64,
+    /// Time at both ends of a record that is left aside, because filters are not settled there [s].
+    #[serde(default)]
+    pub edge: f64,
+    /// Speed below which readings say nothing about the direction of motion [m/s or rad/s]: friction keeps that before.
+    #[serde(default)]
+    pub standstill_speed: f64,
+}
+
+/// A number's uncertainty and origin, as far as the file tells.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Origin {
+    /// Relative standard deviation; a number without one counts as unknown.
+    pub relative_uncertainty: Option<f64>,
+    /// Where it comes from.
+    pub source: Option<String>,
+    /// Interval that covers it with 95 % probability.
+    pub interval95: Option<[f64; 2]>,
+}
+
+/// A small plant's model file.
+#[derive(Debug, Clone)]
+pub struct SmallModel {
+    /// The model.
+    pub model: Model,
+    /// The records' columns.
+    pub columns: Columns,
+    /// How they are compared.
+    pub measurement: Measurement,
+    /// Origins by dotted name.
+    pub origins: BTreeMap<String, Origin>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlantSection {
+    kind: String,
+    path: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NumberTable {
+    value: f64,
+    #[serde(rename = "unit")]
+    unit: Option<String>,
+    source: Option<String>,
+    #[serde(rename = "status")]
+    _status: Option<String>,
+    relative_uncertainty: Option<f64>,
+    interval95: Option<[f64; 2]>,
+}
+
+/// Whether a model file's text describes a small plant.
+#[must_use]
+pub fn is_small_plant(text: &str) -> bool {
+    text.parse::<toml::Table>()
+        .is_ok_and(|table| table.contains_key("plant"))
+}
+
+impl SmallModel {
+    /// Reads the text of a model file; `file` names it in messages.
+    ///
+    /// # Errors
+    /// [`SmallModelError`], naming section and key and what would be right.
+    pub fn parse(text: &str, file: &str) -> Result<Self, SmallModelError> {
+        let table: toml::Table =
+            text.parse()
+                .map_err(|error: toml::de::Error| SmallModelError::Syntax {
+                    file: file.to_owned(),
+                    message: format!("not valid TOML: {}", error.to_string().trim_end()),
+                })?;
+        Reader { table, file }.read()
+    }
+
+    /// The file's text, every number with unit, origin and interval; `origins` replaces or adds to what is known.
+    #[must_use]
+    pub fn to_toml(&self, head: &str) -> String {
+        let (kind, path) = (self.model.kind, self.model.path);
+        let mut text: String = head.lines().map(|line| format!("# {line}\n")).collect();
+        let _ = write!(
+            text,
+            "\n[plant]\nkind = \"{}\"\npath = \"{}\"\n\n[columns]\n",
+            kind.word(),
+            path.word()
+        );
+        for (
+            quantity,
+            Column {
+                column,
+                unit,
+                factor,
+            },
+        ) in self.columns.given()
+        {
+            let factor = factor.map_or(String::new(), |factor| format!(", factor = {factor:?}"));
+            let _ = writeln!(
+                text,
+                "{} = {{ column = {column:?}, unit = {unit:?}{factor} }}",
+                quantity.word()
+            );
+        }
+        let Measurement {
+            motion_low_pass,
+            compare_low_pass,
+            compare_rate,
+            edge,
+            standstill_speed,
+        } = &self.measurement;
+        let _ = writeln!(
+            text,
+            "\n[measurement]\nmotion_low_pass = {motion_low_pass:?}"
+        );
+        if let Some(cut_off) = compare_low_pass {
+            let _ = writeln!(text, "compare_low_pass = {cut_off:?}");
+        }
+        let _ = writeln!(
+            text,
+            "compare_rate = {compare_rate:?}\nedge = {edge:?}\nstandstill_speed = {standstill_speed:?}"
+        );
+        for term in self.model.terms() {
+            let _ = writeln!(
+                text,
+                "\n[{}]  # {}",
+                term.entry.name, term.entry.description
+            );
+            for (parameter, value) in term.entry.parameters.iter().zip(&term.values) {
+                let _ = write!(
+                    text,
+                    "{} = {{ value = {value:?}, unit = {:?}",
+                    parameter.key,
+                    parameter.dimension.unit(kind, path)
+                );
+                if let Some(origin) = self.origins.get(&dotted(term.entry, parameter.key)) {
+                    if let Some(source) = &origin.source {
+                        let _ = write!(text, ", source = {source:?}");
+                    }
+                    if let Some([low, high]) = origin.interval95 {
+                        let _ = write!(text, ", interval95 = [{low:?}, {high:?}]");
+                    }
+                    if let Some(uncertainty) = origin.relative_uncertainty {
+                        let _ = write!(text, ", relative_uncertainty = {uncertainty:?}");
+                    }
+                }
+                let _ = writeln!(text, " }}  # {}", parameter.description);
+            }
+        }
+        text
+    }
+}
+
+/// A number's name: section and key.
+#[must_use]
+pub fn dotted(entry: &Entry, key: &str) -> String {
+    format!("{}.{key}", entry.name)
+}
+
+struct Reader<'a> {
+    table: toml::Table,
+    file: &'a str,
+}
+
+impl Reader<'_> {
+    fn read(&self) -> Result<SmallModel, SmallModelError> {
+        let plant: PlantSection = self.section(
+            "plant",
+            "kind = \"drive\", \"pendulum\" or \"contact\" and path = \"line\" or \"turn\"",
+        )?;
+        let kind = self.word("kind", &plant.kind, &Kind::ALL, Kind::word)?;
+        let path = self.word("path", &plant.path, &[Path::Line, Path::Turn], Path::word)?;
+        if kind == Kind::Pendulum && path == Path::Line {
+            return Err(self.wrong("plant", "path", "\"line\"", "\"turn\": a pendulum turns"));
+        }
+        let columns: Columns = self.section(
+            "columns",
+            "lines such as time = { column = \"t\", unit = \"s\" }, for time, position, velocity, force, load",
+        )?;
+        columns
+            .check(kind, path)
+            .map_err(|source| SmallModelError::Column {
+                file: self.file.to_owned(),
+                source,
+            })?;
+        let measurement: Measurement = self.section(
+            "measurement",
+            "motion_low_pass [Hz], compare_rate [Hz] and, if need be, compare_low_pass [Hz], edge [s] and standstill_speed",
+        )?;
+        self.check_measurement(&measurement)?;
+        self.check_sections(kind, path, columns.load.is_some())?;
+        let mut origins = BTreeMap::new();
+        let mut model = Model::new(
+            kind,
+            path,
+            self.values(base(kind), kind, path, &mut origins)?,
+        );
+        for name in self.table.keys() {
+            if let Some(effect) = entry(name) {
+                model = model.with(effect, self.values(effect, kind, path, &mut origins)?);
+            }
+        }
+        Ok(SmallModel {
+            model,
+            columns,
+            measurement,
+            origins,
+        })
+    }
+
+    fn section<T: serde::de::DeserializeOwned>(
+        &self,
+        name: &str,
+        expected: &str,
+    ) -> Result<T, SmallModelError> {
+        let value = self
+            .table
+            .get(name)
+            .ok_or_else(|| SmallModelError::Missing {
+                file: self.file.to_owned(),
+                section: name.to_owned(),
+                key: "everything".to_owned(),
+                expected: expected.to_owned(),
+            })?;
+        value
+            .clone()
+            .try_into()
+            .map_err(|error: toml::de::Error| SmallModelError::Syntax {
+                file: self.file.to_owned(),
+                message: format!("[{name}]: {}; it needs {expected}", error.message()),
+            })
+    }
+
+    fn word<T: Copy>(
+        &self,
+        key: &str,
+        found: &str,
+        all: &[T],
+        of: fn(T) -> &'static str,
+    ) -> Result<T, SmallModelError> {
+        all.iter()
+            .copied()
+            .find(|choice| of(*choice) == found)
+            .ok_or_else(|| {
+                let words: Vec<&str> = all.iter().map(|choice| of(*choice)).collect();
+                self.wrong(
+                    "plant",
+                    key,
+                    &format!("{found:?}"),
+                    &format!("one of {}", words.join(", ")),
+                )
+            })
+    }
+
+    fn check_measurement(&self, measurement: &Measurement) -> Result<(), SmallModelError> {
+        let numbers = [
+            ("motion_low_pass", Some(measurement.motion_low_pass)),
+            ("compare_low_pass", measurement.compare_low_pass),
+            ("compare_rate", Some(measurement.compare_rate)),
+        ];
+        for (key, number) in numbers {
+            if let Some(number) = number
+                && !(number.is_finite() && number > 0.0)
+            {
+                return Err(self.wrong(
+                    "measurement",
+                    key,
+                    &number.to_string(),
+                    "a number above 0 [Hz]",
+                ));
+            }
+        }
+        for (key, number) in [
+            ("edge", measurement.edge),
+            ("standstill_speed", measurement.standstill_speed),
+        ] {
+            if !(number.is_finite() && number >= 0.0) {
+                return Err(self.wrong(
+                    "measurement",
+                    key,
+                    &number.to_string(),
+                    "a number of 0 or more",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_sections(
+        &self,
+        kind: Kind,
+        path: Path,
+        has_load: bool,
+    ) -> Result<(), SmallModelError> {
+        let base = base(kind).name;
+        let possible = || {
+            CATALOGUE
+                .iter()
+                .filter(|entry| entry.fits(kind, path, has_load))
+                .map(|entry| entry.name)
+        };
+        for section in self.table.keys() {
+            let known = ["plant", "columns", "measurement", base];
+            if !known.contains(&section.as_str()) && !possible().any(|name| name == section) {
+                return Err(SmallModelError::Unknown {
+                    file: self.file.to_owned(),
+                    what: format!("section [{section}] in the model of a {}", kind.word()),
+                    known: known
+                        .into_iter()
+                        .chain(possible())
+                        .collect::<Vec<_>>()
+                        .join(", "),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn values(
+        &self,
+        entry: &Entry,
+        kind: Kind,
+        path: Path,
+        origins: &mut BTreeMap<String, Origin>,
+    ) -> Result<Vec<f64>, SmallModelError> {
+        let expected = || {
+            let parameters = entry.parameters.iter();
+            parameters
+                .map(|p| {
+                    format!(
+                        "{} [{}], {}",
+                        p.key,
+                        p.dimension.unit(kind, path),
+                        p.description
+                    )
+                })
+                .collect::<Vec<_>>()
+                .join("; ")
+        };
+        let missing = |key: &str| SmallModelError::Missing {
+            file: self.file.to_owned(),
+            section: entry.name.to_owned(),
+            key: key.to_owned(),
+            expected: expected(),
+        };
+        let table = self
+            .table
+            .get(entry.name)
+            .and_then(Value::as_table)
+            .ok_or_else(|| missing("everything"))?;
+        if let Some(key) = table
+            .keys()
+            .find(|key| !entry.parameters.iter().any(|p| p.key == **key))
+        {
+            return Err(SmallModelError::Unknown {
+                file: self.file.to_owned(),
+                what: format!("key {key} in [{}]", entry.name),
+                known: expected(),
+            });
+        }
+        let mut values = Vec::new();
+        for parameter in entry.parameters {
+            let value = table
+                .get(parameter.key)
+                .ok_or_else(|| missing(parameter.key))?;
+            let (number, origin) = match value {
+                Value::Float(number) => (*number, Origin::default()),
+                Value::Integer(number) => (*number as f64, Origin::default()),
+                other => self.number(
+                    entry.name,
+                    parameter.key,
+                    other,
+                    parameter.dimension.unit(kind, path),
+                )?,
+            };
+            let right = match parameter.range {
+                Range::Free => number.is_finite(),
+                Range::Positive => number.is_finite() && number > 0.0,
+                Range::Within(low, high) => number > low && number < high,
+            };
+            if !right {
+                let expected = match parameter.range {
+                    Range::Free => "a finite number".to_owned(),
+                    Range::Positive => "a number above 0".to_owned(),
+                    Range::Within(low, high) => format!("between {low} and {high}"),
+                };
+                return Err(self.wrong(entry.name, parameter.key, &number.to_string(), &expected));
+            }
+            values.push(number);
+            origins.insert(dotted(entry, parameter.key), origin);
+        }
+        Ok(values)
+    }
+
+    fn number(
+        &self,
+        section: &str,
+        key: &str,
+        value: &Value,
+        unit: &str,
+    ) -> Result<(f64, Origin), SmallModelError> {
+        let expected = format!("a number or {{ value = …, unit = \"{unit}\", source = … }}");
+        let table: NumberTable = value
+            .clone()
+            .try_into()
+            .map_err(|_| self.wrong(section, key, &value.to_string(), &expected))?;
+        if let Some(found) = &table.unit
+            && plain(found) != plain(unit)
+        {
+            return Err(self.wrong(
+                section,
+                &format!("{key}.unit"),
+                &format!("{found:?}"),
+                &format!("\"{unit}\""),
+            ));
+        }
+        let origin = Origin {
+            relative_uncertainty: table.relative_uncertainty,
+            source: table.source,
+            interval95: table.interval95,
+        };
+        Ok((table.value, origin))
+    }
+
+    fn wrong(&self, section: &str, key: &str, found: &str, expected: &str) -> SmallModelError {
+        SmallModelError::Value {
+            file: self.file.to_owned(),
+            section: section.to_owned(),
+            key: key.to_owned(),
+            found: found.to_owned(),
+            expected: expected.to_owned(),
+        }
+    }
+}
+
+/// A unit without the signs by which writers differ: "N m" and "N.m" are one.
+fn plain(unit: &str) -> String {
+    unit.chars()
+        .filter(|c| !c.is_whitespace() && *c != '.')
+        .collect()
+}

@@ -1,0 +1,205 @@
+//! The measured motion: position, velocity and acceleration over even times, with force and load.
+
+use super::filter::LowPass;
+
+/// Order of the low-pass before differentiating.
+const ORDER: usize = 4;
+
+/// One record, at its full sampling rate.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    /// What messages call it.
+    pub name: String,
+    /// Time of the first sample in its file [s].
+    pub begin: f64,
+    /// Sampling interval [s].
+    pub interval: f64,
+    /// Position as measured [m or rad]; integrated velocity where it is not measured.
+    pub reading: Vec<f64>,
+    /// Position freed from noise [m or rad].
+    pub position: Vec<f64>,
+    /// Velocity [m/s or rad/s].
+    pub velocity: Vec<f64>,
+    /// Acceleration [m/s² or rad/s²].
+    pub acceleration: Vec<f64>,
+    /// Direction of motion at every sample: −1 or 1.
+    pub direction: Vec<f64>,
+    /// Force or torque [N or N m]; zero for a free swing.
+    pub force: Vec<f64>,
+    /// Load over its mean; ones where it is not measured.
+    pub load: Vec<f64>,
+}
+
+/// Usual sizes of what is in a record: root mean squares.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scales {
+    /// Position [m or rad], about its mean.
+    pub position: f64,
+    /// Velocity [m/s or rad/s].
+    pub speed: f64,
+    /// Acceleration [m/s² or rad/s²].
+    pub acceleration: f64,
+    /// Force [N or N m]; of a free swing its acceleration [rad/s²].
+    pub force: f64,
+}
+
+/// What of the motion was measured.
+#[derive(Debug, Clone)]
+pub enum Measured {
+    /// Position [m or rad].
+    Position(Vec<f64>),
+    /// Velocity [m/s or rad/s] alone.
+    Velocity(Vec<f64>),
+    /// Both.
+    Both(Vec<f64>, Vec<f64>),
+}
+
+impl Motion {
+    /// The motion from what was measured at even times; `low_pass` [Hz] frees it from noise before it is differentiated, and
+    /// below the speed `standstill` [m/s or rad/s] it counts as standing.
+    #[must_use]
+    pub fn new(
+        name: String,
+        begin: f64,
+        interval: f64,
+        measured: Measured,
+        low_pass: f64,
+        standstill: f64,
+    ) -> Self {
+        let smooth = |series: &[f64]| LowPass::new(low_pass, ORDER, interval).apply(series);
+        let (reading, position, velocity, acceleration) = match measured {
+            Measured::Position(reading) => {
+                let position = smooth(&reading);
+                let velocity = derivative(&position, interval);
+                let acceleration = derivative(&velocity, interval);
+                (reading, position, velocity, acceleration)
+            }
+            Measured::Velocity(velocity) => {
+                let acceleration = derivative(&smooth(&velocity), interval);
+                let position = integral(&velocity, interval);
+                (position.clone(), position, velocity, acceleration)
+            }
+            Measured::Both(reading, velocity) => {
+                let position = smooth(&reading);
+                let velocity = smooth(&velocity);
+                let acceleration = derivative(&velocity, interval);
+                (reading, position, velocity, acceleration)
+            }
+        };
+        let count = reading.len();
+        Self {
+            name,
+            begin,
+            interval,
+            reading,
+            position,
+            direction: directions(&velocity, standstill),
+            velocity,
+            acceleration,
+            force: vec![0.0; count],
+            load: vec![1.0; count],
+        }
+    }
+
+    /// This record and one that goes on where it ends.
+    #[must_use]
+    pub fn followed_by(&self, next: &Self) -> Self {
+        let mut both = self.clone();
+        both.reading.extend(&next.reading);
+        both.position.extend(&next.position);
+        both.velocity.extend(&next.velocity);
+        both.direction.extend(&next.direction);
+        both.acceleration.extend(&next.acceleration);
+        both.force.extend(&next.force);
+        both.load.extend(&next.load);
+        both
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.reading.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.reading.is_empty()
+    }
+
+    /// Length [s].
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.len().saturating_sub(1) as f64 * self.interval
+    }
+}
+
+impl Scales {
+    /// Usual sizes over several records.
+    #[must_use]
+    pub fn of(records: &[Motion]) -> Self {
+        let over = |of: fn(&Motion) -> &[f64]| -> Vec<f64> {
+            records
+                .iter()
+                .flat_map(|record| of(record).to_vec())
+                .collect()
+        };
+        let position = over(|m| &m.position);
+        let mean = position.iter().sum::<f64>() / position.len().max(1) as f64;
+        let about: Vec<f64> = position.iter().map(|x| x - mean).collect();
+        let acceleration = root_mean_square(&over(|m| &m.acceleration));
+        let force = root_mean_square(&over(|m| &m.force));
+        Self {
+            position: root_mean_square(&about),
+            speed: root_mean_square(&over(|m| &m.velocity)),
+            acceleration,
+            force: if force > 0.0 { force } else { acceleration },
+        }
+    }
+}
+
+/// Direction of motion; while it stands, that in which it moved last, and before it first moves that in which it will.
+fn directions(velocity: &[f64], standstill: f64) -> Vec<f64> {
+    let moves = |v: &&f64| v.abs() > standstill;
+    let mut direction = velocity.iter().find(moves).map_or(1.0, |v| v.signum());
+    velocity
+        .iter()
+        .map(|v| {
+            if moves(&v) {
+                direction = v.signum();
+            }
+            direction
+        })
+        .collect()
+}
+
+/// Root mean square.
+#[must_use]
+pub fn root_mean_square(series: &[f64]) -> f64 {
+    (series.iter().map(|x| x * x).sum::<f64>() / series.len().max(1) as f64).sqrt()
+}
+
+/// Central differences, one-sided at the ends.
+fn derivative(series: &[f64], interval: f64) -> Vec<f64> {
+    let last = series.len().saturating_sub(1);
+    (0..series.len())
+        .map(|j| {
+            let (low, high) = (j.saturating_sub(1), (j + 1).min(last));
+            (series[high] - series[low]) / ((high - low).max(1) as f64 * interval)
+        })
+        .collect()
+}
+
+/// Trapezoidal sums from zero.
+fn integral(series: &[f64], interval: f64) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut before = series.first().copied().unwrap_or(0.0);
+    series
+        .iter()
+        .map(|&value| {
+            sum += 0.5 * (value + before) * interval;
+            before = value;
+            sum
+        })
+        .collect()
+}

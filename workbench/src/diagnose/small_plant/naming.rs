@@ -1,0 +1,293 @@
+//! Naming: every effect of the catalogue is tried on top of the model, the best that chance does not give is kept, and so on.
+
+use rayon::prelude::*;
+
+use super::catalogue::{CATALOGUE, entry};
+use super::evidence::{Gain, gain, left_out_errors, unit};
+use super::least_squares::{Fit, fit};
+use super::model::Model;
+use super::motion::Scales;
+use super::problem::Problem;
+use super::term::Entry;
+
+/// Most effects that are named one after the other.
+const MOST_EFFECTS: usize = 8;
+/// Steps of a first look at each start, and of fits that are carried to the end.
+const FIRST_LOOK: usize = 8;
+const TO_THE_END: usize = 40;
+/// Gain in ln likelihood below which no effect is named, however certain its sign.
+const LEAST_GAIN: f64 = 4.0;
+/// Candidates that are tried in pairs where none is enough alone.
+const PAIRED: usize = 4;
+/// Share of the best gain above which another candidate can pass for it.
+const RIVAL: f64 = 0.5;
+
+/// A candidate that was tried.
+#[derive(Debug, Clone)]
+pub struct Tried {
+    /// The effect, or two of them.
+    pub entries: Vec<&'static Entry>,
+    /// The model with it.
+    pub fit: Fit,
+    /// Squared errors on what was left out, piece by piece.
+    pub errors: Vec<f64>,
+    /// Gain over the model without it.
+    pub gain: Gain,
+}
+
+impl Tried {
+    /// Gain less a little for each free number: of two that explain the same, the one with fewer numbers is the better.
+    fn worth(&self) -> f64 {
+        self.gain.value - 0.1 * self.numbers() as f64
+    }
+
+    fn numbers(&self) -> usize {
+        self.fit.model.free().len()
+    }
+}
+
+/// One effect that was kept, with what came of it.
+#[derive(Debug, Clone)]
+pub struct Kept {
+    /// The effect.
+    pub entry: &'static Entry,
+    /// Gain when it was added.
+    pub gain: Gain,
+    /// Names whose shortfall behind it was not certain.
+    pub rivals: Vec<&'static str>,
+}
+
+/// What naming came to.
+#[derive(Debug, Clone)]
+pub struct Naming {
+    /// The analyst's model with its numbers refitted.
+    pub base: Fit,
+    /// Effects that were kept, in the order in which they were named.
+    pub kept: Vec<Kept>,
+    /// Every candidate of the first round, best first.
+    pub ranking: Vec<Tried>,
+    /// The amended model.
+    pub amended: Fit,
+}
+
+/// Fits all numbers of a model.
+#[must_use]
+pub fn fit_base(problem: &dyn Problem, model: &Model, scales: &Scales) -> Fit {
+    fit(problem, model, scales, None, TO_THE_END)
+}
+
+/// Fits an effect on top of a model, from each of its starts.
+#[must_use]
+pub fn fit_with(
+    problem: &dyn Problem,
+    model: &Model,
+    entry: &'static Entry,
+    scales: &Scales,
+) -> Fit {
+    let looks = entry.starts.iter().map(|start| {
+        let values = entry
+            .parameters
+            .iter()
+            .zip(*start)
+            .map(|(parameter, multiple)| multiple * parameter.dimension.scale(scales))
+            .collect();
+        fit(
+            problem,
+            &model.with(entry, values),
+            scales,
+            None,
+            FIRST_LOOK,
+        )
+    });
+    let best = looks.min_by(|a, b| a.loss.total_cmp(&b.loss));
+    let model = best.map_or_else(|| model.clone(), |look| look.model);
+    fit(problem, &model, scales, None, TO_THE_END)
+}
+
+/// Names what `model` lacks, trying `candidates`.
+pub fn name(
+    problem: &dyn Problem,
+    model: &Model,
+    scales: &Scales,
+    candidates: &[&'static Entry],
+    progress: &mut dyn FnMut(&str),
+) -> Naming {
+    progress("nominal parameters");
+    let base = fit_base(problem, model, scales);
+    let mut current = base.clone();
+    let mut ranking: Option<Vec<Tried>> = None;
+    let mut kept: Vec<Kept> = Vec::new();
+    while kept.len() < MOST_EFFECTS {
+        progress(&format!("candidates, round {}", kept.len() + 1));
+        let before = left_out_errors(problem, &current, scales);
+        let round = Round {
+            problem,
+            scales,
+            unit: unit(&current.residuals),
+            before: &before,
+        };
+        let open: Vec<&'static Entry> = candidates
+            .iter()
+            .copied()
+            .filter(|entry| !current.model.has(entry.name))
+            .collect();
+        let single: Vec<Vec<&'static Entry>> = open.iter().map(|entry| vec![*entry]).collect();
+        let tried = round.try_all(&current.model, &single, open.len());
+        let mut accepted = accepted(&tried);
+        if accepted.is_none() {
+            // Two effects can hide each other: each alone makes other records worse, both explain them.
+            progress(&format!("pairs of candidates, round {}", kept.len() + 1));
+            let pairs = pairs(&tried);
+            let together = round.try_all(&current.model, &pairs, open.len() + pairs.len());
+            accepted = self::accepted(&together);
+        }
+        let rivals = match &accepted {
+            Some(best) if best.entries.len() == 1 => round.rivals(best, &tried),
+            _ => Vec::new(),
+        };
+        ranking.get_or_insert(tried);
+        let Some(best) = accepted else { break };
+        for entry in &best.entries {
+            kept.push(Kept {
+                entry,
+                gain: best.gain,
+                rivals: rivals.clone(),
+            });
+        }
+        current = best.fit;
+    }
+    progress("effects that the others make superfluous, and rivals");
+    drop_superfluous(problem, scales, &mut current, &mut kept);
+    keep_true_rivals(problem, scales, &current, &mut kept);
+    Naming {
+        base,
+        kept,
+        ranking: ranking.unwrap_or_default(),
+        amended: current,
+    }
+}
+
+/// Takes away effects that those named later make superfluous.
+fn drop_superfluous(
+    problem: &dyn Problem,
+    scales: &Scales,
+    current: &mut Fit,
+    kept: &mut Vec<Kept>,
+) {
+    let mut at = 0;
+    while kept.len() > 1 && at < kept.len() {
+        let rest = fit_base(problem, &current.model.without(kept[at].entry.name), scales);
+        let without = left_out_errors(problem, &rest, scales);
+        let with = left_out_errors(problem, current, scales);
+        let gain = gain(&without, &with, unit(&current.residuals), kept.len());
+        if gain.value > LEAST_GAIN && gain.sure > 0.0 {
+            at += 1;
+        } else {
+            *current = rest;
+            kept.remove(at);
+        }
+    }
+}
+
+/// Leaves those rivals that could stand in for the effect in the final model: what was named itself later on was a companion,
+/// and what those named later stand in for is none any more.
+fn keep_true_rivals(problem: &dyn Problem, scales: &Scales, last: &Fit, kept: &mut [Kept]) {
+    let names: Vec<&str> = kept.iter().map(|kept| kept.entry.name).collect();
+    if kept.iter().all(|kept| kept.rivals.is_empty()) {
+        return;
+    }
+    let errors = left_out_errors(problem, last, scales);
+    let unit = unit(&last.residuals);
+    for kept in kept {
+        let rest = last.model.without(kept.entry.name);
+        kept.rivals.retain(|rival| {
+            let Some(entry) = entry(rival).filter(|_| !names.contains(rival)) else {
+                return false;
+            };
+            let other = fit_with(problem, &rest, entry, scales);
+            let shortfall = gain(&left_out_errors(problem, &other, scales), &errors, unit, 1);
+            shortfall.value < LEAST_GAIN && shortfall.interval95[0] < 0.0
+        });
+    }
+}
+
+/// The effects that such a plant can have, without those taken out of the catalogue.
+#[must_use]
+pub fn candidates(model: &Model, has_load: bool, without: &[String]) -> Vec<&'static Entry> {
+    CATALOGUE
+        .iter()
+        .filter(|entry| entry.fits(model.kind, model.path, has_load))
+        .filter(|entry| !model.has(entry.name) && !without.iter().any(|name| name == entry.name))
+        .collect()
+}
+
+/// What a round's candidates are compared with.
+struct Round<'a> {
+    problem: &'a dyn Problem,
+    scales: &'a Scales,
+    /// The same for all, so that gains compare as errors do.
+    unit: f64,
+    before: &'a [f64],
+}
+
+impl Round<'_> {
+    /// Every set of effects on top of a model, best first.
+    fn try_all(&self, model: &Model, sets: &[Vec<&'static Entry>], looks: usize) -> Vec<Tried> {
+        let mut tried: Vec<Tried> = sets
+            .par_iter()
+            .map(|entries| {
+                let fitted = entries.iter().fold(None, |fitted: Option<Fit>, &entry| {
+                    let model = fitted.as_ref().map_or(model, |fit| &fit.model);
+                    Some(fit_with(self.problem, model, entry, self.scales))
+                });
+                let fitted = fitted.unwrap_or_else(|| fit_base(self.problem, model, self.scales));
+                let errors = left_out_errors(self.problem, &fitted, self.scales);
+                Tried {
+                    entries: entries.clone(),
+                    gain: gain(self.before, &errors, self.unit, looks),
+                    fit: fitted,
+                    errors,
+                }
+            })
+            .collect();
+        tried.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
+        tried
+    }
+
+    /// Names whose shortfall behind the best is not certain.
+    fn rivals(&self, best: &Tried, tried: &[Tried]) -> Vec<&'static str> {
+        tried
+            .iter()
+            .filter(|t| t.entries != best.entries && t.gain.value > RIVAL * best.gain.value)
+            // More numbers that gain nothing are the best itself in disguise.
+            .filter(|t| t.numbers() <= best.numbers() || t.gain.value > best.gain.value + 1.0)
+            .filter(|t| gain(&t.errors, &best.errors, self.unit, 1).interval95[0] < 0.0)
+            .flat_map(|t| t.entries.iter().map(|entry| entry.name))
+            .collect()
+    }
+}
+
+fn accepted(tried: &[Tried]) -> Option<Tried> {
+    tried
+        .iter()
+        .find(|best| best.gain.value > LEAST_GAIN && best.gain.sure > 0.0)
+        .cloned()
+}
+
+/// Pairs of the candidates that fit best alone.
+fn pairs(tried: &[Tried]) -> Vec<Vec<&'static Entry>> {
+    let mut by_loss: Vec<&Tried> = tried.iter().collect();
+    by_loss.sort_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
+    by_loss.truncate(PAIRED);
+    let names: Vec<&'static Entry> = by_loss
+        .iter()
+        .flat_map(|t| t.entries.iter().copied())
+        .collect();
+    let mut pairs = Vec::new();
+    for (at, first) in names.iter().enumerate() {
+        for second in &names[at + 1..] {
+            pairs.push(vec![*first, *second]);
+        }
+    }
+    pairs
+}

@@ -1,0 +1,27 @@
+//! What is fitted: residuals of a model on records, in pieces.
+
+use super::model::Model;
+
+/// Residuals of any model of one plant on one set of records.
+pub trait Problem: Sync {
+    /// Residuals piece by piece, every one in the same unit; a model that cannot run gives non-finite ones.
+    ///
+    /// Pieces are consecutive stretches, long against the time over which residuals are correlated.
+    fn residuals(&self, model: &Model) -> Vec<Vec<f64>>;
+
+    /// Which fold each piece belongs to, 0, 1, …: pieces of one fold are left out together.
+    fn folds(&self) -> &[usize];
+}
+
+/// Sum of squares over all pieces.
+#[must_use]
+pub fn square(residuals: &[Vec<f64>]) -> f64 {
+    residuals.iter().flatten().map(|r| r * r).sum()
+}
+
+/// Root mean square over all pieces.
+#[must_use]
+pub fn rms(residuals: &[Vec<f64>]) -> f64 {
+    let count: usize = residuals.iter().map(Vec::len).sum();
+    (square(residuals) / count.max(1) as f64).sqrt()
+}

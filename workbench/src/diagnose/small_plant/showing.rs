@@ -1,0 +1,180 @@
+//! Before and after: each model on the way, on the records learned from and on the held-out one.
+//!
+//! Drive and contact: measured force less the model's. Pendulum: one free run, never corrected, from the start of the
+//! records learned from; where the held-out record goes on there, the run goes on through it, so that every error of phase
+//! and decay adds up.
+
+use super::balance::Balance;
+use super::case::SmallCase;
+use super::finding::{ErrorSize, Step};
+use super::least_squares::{Fit, fit, intervals};
+use super::model::Model;
+use super::motion::Motion;
+use super::naming::{fit_base, fit_with};
+use super::problem::Problem;
+use super::swing::Swing;
+use super::term::Entry;
+use super::unit::Kind;
+
+/// Steps of a fit to longer stretches.
+const POLISH: usize = 12;
+/// Time at the start of a held-out record from which a pendulum's start is taken, where it is another swing [s].
+const START: f64 = 2.0;
+
+/// What was measured and what a model says, over time.
+#[derive(Debug, Clone, Default)]
+pub struct Course {
+    /// Time [s].
+    pub time: Vec<f64>,
+    /// Measured force or angle.
+    pub measured: Vec<f64>,
+    /// The model's.
+    pub model: Vec<f64>,
+}
+
+/// What effects are compared on: the balance of forces on the records learned from; a pendulum's is that of a free swing.
+#[must_use]
+pub fn balance(case: &SmallCase) -> Balance {
+    Balance::new(&case.records, &case.model.measurement)
+}
+
+/// A model's numbers brought to their best on all that was learned from: a pendulum's on ever longer stretches up to one
+/// free run.
+#[must_use]
+pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
+    if case.kind() != Kind::Pendulum {
+        return fitted.clone();
+    }
+    let mut best = fitted.clone();
+    let longest = case.records.iter().map(Motion::seconds).fold(0.0, f64::max);
+    let mut length = 8.0;
+    loop {
+        let swing = if length < longest {
+            Swing::cut(&case.records, &case.model.measurement, length)
+        } else {
+            Swing::whole(&case.records, &case.model.measurement)
+        };
+        best = fit(&swing, &best.model, &case.scales, None, POLISH);
+        if length >= longest {
+            return best;
+        }
+        length *= 2.0;
+    }
+}
+
+/// Intervals of all numbers of the final model.
+#[must_use]
+pub fn final_intervals(case: &SmallCase, fitted: &Fit) -> Vec<(usize, usize, [f64; 2])> {
+    match case.kind() {
+        Kind::Pendulum => {
+            let swing = Swing::whole(&case.records, &case.model.measurement);
+            intervals(&swing, fitted, &case.scales)
+        }
+        Kind::Drive | Kind::Contact => intervals(&balance(case), fitted, &case.scales),
+    }
+}
+
+/// The models on the way: the analyst's with its numbers refitted, then with one effect more each.
+#[must_use]
+pub fn models_on_the_way(
+    case: &SmallCase,
+    effects: &[&'static Entry],
+    progress: &mut dyn FnMut(&str),
+) -> Vec<Model> {
+    let problem = balance(case);
+    progress("nominal parameters");
+    let mut current = fit_base(&problem, &case.model.model, &case.scales);
+    let mut models = vec![polished(case, &current).model];
+    for &effect in effects {
+        progress(effect.name);
+        current = fit_with(&problem, &current.model, effect, &case.scales);
+        models.push(polished(case, &current).model);
+    }
+    models
+}
+
+/// Errors of a model on the way.
+#[must_use]
+pub fn step(case: &SmallCase, effect: Option<&str>, model: &Model) -> Step {
+    Step {
+        effect: effect.map(str::to_owned),
+        learned: error(&learned_course(case, model)),
+        held_out: error(&held_out_course(case, model)),
+    }
+}
+
+fn learned_course(case: &SmallCase, model: &Model) -> Course {
+    match case.kind() {
+        Kind::Pendulum => {
+            let swing = Swing::whole(&case.records, &case.model.measurement);
+            let residuals: Vec<f64> = swing.residuals(model).concat();
+            let measured = swing.readings();
+            Course {
+                time: (0..residuals.len()).map(|at| at as f64).collect(),
+                model: measured
+                    .iter()
+                    .zip(&residuals)
+                    .map(|(y, r)| y - r)
+                    .collect(),
+                measured,
+            }
+        }
+        Kind::Drive | Kind::Contact => balance_course(&balance(case), model),
+    }
+}
+
+/// The held-out record and the model's course through it.
+#[must_use]
+pub fn held_out_course(case: &SmallCase, model: &Model) -> Course {
+    let held_out = std::slice::from_ref(&case.held_out);
+    let measurement = &case.model.measurement;
+    if case.kind() != Kind::Pendulum {
+        return balance_course(&Balance::new(held_out, measurement), model);
+    }
+    let alone = Swing::whole(held_out, measurement);
+    let measured = alone.readings();
+    let time: Vec<f64> = (0..measured.len())
+        .map(|at| case.held_out.begin + at as f64 * alone.time_step())
+        .collect();
+    let run = match case.records.last() {
+        Some(last) if case.goes_on => {
+            let joined = Swing::whole(&[last.followed_by(&case.held_out)], measurement);
+            let known = Swing::whole(std::slice::from_ref(last), measurement).first_length();
+            let all = joined.run(model, known, known + measured.len());
+            all[known.min(all.len())..].to_vec()
+        }
+        _ => {
+            let known = (START / alone.time_step()) as usize;
+            alone.run(model, known, measured.len())
+        }
+    };
+    Course {
+        time,
+        measured,
+        model: run,
+    }
+}
+
+fn balance_course(balance: &Balance, model: &Model) -> Course {
+    let compared = balance.compared(model);
+    Course {
+        time: compared.iter().map(|c| c.sample.time).collect(),
+        measured: compared.iter().map(|c| c.measured).collect(),
+        model: compared.iter().map(|c| c.model).collect(),
+    }
+}
+
+fn error(course: &Course) -> ErrorSize {
+    let count = course.measured.len().max(1) as f64;
+    let square: f64 = course
+        .measured
+        .iter()
+        .zip(&course.model)
+        .map(|(y, m)| (y - m).powi(2))
+        .sum();
+    let size: f64 = course.measured.iter().map(|y| y * y).sum();
+    ErrorSize {
+        rmse: (square / count).sqrt(),
+        relative: (square / size).sqrt(),
+    }
+}

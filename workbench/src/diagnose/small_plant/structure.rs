@@ -1,0 +1,180 @@
+//! Where a model leaves structure: a free function of one coordinate after the other, judged on what it was not fitted to.
+
+use super::balance::{Balance, Compared};
+use super::evidence::{gain, unit};
+use super::model::Model;
+use super::motion::Scales;
+use super::problem::Problem;
+use super::unit::Kind;
+use crate::diagnose::finding::Located;
+
+/// Values of the free function over a coordinate, at quantiles.
+const BINS: usize = 16;
+
+/// A coordinate over which residuals can be structured.
+pub struct Coordinate {
+    /// Its name.
+    pub name: &'static str,
+    /// Its label on an axis, without unit.
+    pub label: &'static str,
+    /// Its value at a moment.
+    pub of: fn(&Compared, &Scales) -> f64,
+}
+
+/// The coordinates that are looked at.
+pub const COORDINATES: &[Coordinate] = &[
+    Coordinate {
+        name: "velocity",
+        label: "velocity",
+        of: |c, _| c.sample.velocity,
+    },
+    Coordinate {
+        name: "acceleration",
+        label: "acceleration",
+        of: |c, _| c.sample.acceleration,
+    },
+    Coordinate {
+        name: "phase_angle",
+        label: "angle of the plane of velocity and acceleration",
+        of: phase_angle,
+    },
+    Coordinate {
+        name: "position",
+        label: "position",
+        of: |c, _| c.sample.position,
+    },
+    Coordinate {
+        name: "position_by_direction",
+        label: "position times direction of motion",
+        of: |c, _| c.sample.position * c.sample.direction,
+    },
+    Coordinate {
+        name: "time",
+        label: "time",
+        of: |c, _| c.sample.time,
+    },
+    Coordinate {
+        name: "load",
+        label: "load over its mean",
+        of: |c, _| c.sample.load,
+    },
+];
+
+/// Angle of the plane of velocity and acceleration, each over its usual size; zero where the speed is highest.
+fn phase_angle(compared: &Compared, scales: &Scales) -> f64 {
+    let direction = compared.sample.direction;
+    stickslip::friction::acceleration_angle(
+        direction * compared.sample.velocity,
+        direction * compared.sample.acceleration,
+        scales.speed,
+        scales.acceleration,
+    )
+}
+
+/// Structure that is left, with the share of the residuals' square that it explains.
+#[derive(Debug, Clone)]
+pub struct Left {
+    /// Coordinate, gain and significance.
+    pub located: Located,
+    /// Share of the residuals' square, on what the function was not fitted to.
+    pub share: f64,
+}
+
+/// Structure of what a model leaves over every coordinate, strongest first.
+#[must_use]
+pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
+    let compared = balance.compared(model);
+    let residuals = balance.residuals(model);
+    let unit = unit(&residuals);
+    let lengths = balance.piece_lengths();
+    let fold_of: Vec<(usize, usize)> = lengths
+        .iter()
+        .enumerate()
+        .flat_map(|(piece, &length)| vec![(piece, balance.folds()[piece]); length])
+        .collect();
+    let before: Vec<f64> = residuals
+        .iter()
+        .map(|piece| piece.iter().map(|r| r * r).sum())
+        .collect();
+    let total: f64 = before.iter().sum();
+    let equation = match model.kind {
+        Kind::Drive => "drive",
+        Kind::Pendulum => "swing",
+        Kind::Contact => "contact",
+    };
+    let mut all: Vec<Left> = COORDINATES
+        .iter()
+        .filter_map(|coordinate| {
+            let values: Vec<f64> = compared
+                .iter()
+                .map(|c| (coordinate.of)(c, scales))
+                .collect();
+            let bins = bins(&values)?;
+            let after = left_out(&compared, &bins, &fold_of, before.len());
+            let gain = gain(&before, &after, unit, COORDINATES.len());
+            Some(Left {
+                located: Located {
+                    coordinate: coordinate.name.to_owned(),
+                    equation: equation.to_owned(),
+                    band: None,
+                    gain: gain.value,
+                    interval95: gain.interval95,
+                    significance: gain.significance(),
+                    significant: gain.sure > 0.0,
+                },
+                share: 1.0 - after.iter().sum::<f64>() / total,
+            })
+        })
+        .collect();
+    all.sort_by(|a, b| b.located.gain.total_cmp(&a.located.gain));
+    all
+}
+
+/// Bin of each value, bins between quantiles; none where the coordinate does not change.
+fn bins(values: &[f64]) -> Option<Vec<usize>> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    if sorted.first() == sorted.last() {
+        return None;
+    }
+    let limits: Vec<f64> = (1..BINS).map(|j| sorted[j * sorted.len() / BINS]).collect();
+    Some(
+        values
+            .iter()
+            .map(|value| limits.partition_point(|limit| limit <= value))
+            .collect(),
+    )
+}
+
+/// Squared errors piece by piece after subtracting the means of the bins over the other folds.
+fn left_out(
+    compared: &[Compared],
+    bins: &[usize],
+    fold_of: &[(usize, usize)],
+    pieces: usize,
+) -> Vec<f64> {
+    let folds = fold_of.iter().map(|(_, fold)| fold + 1).max().unwrap_or(0);
+    let mut sums = vec![[(0.0, 0_usize); BINS]; folds];
+    for ((moment, &bin), &(_, fold)) in compared.iter().zip(bins).zip(fold_of) {
+        sums[fold][bin].0 += moment.measured - moment.model;
+        sums[fold][bin].1 += 1;
+    }
+    let mean = |without: usize, bin: usize| {
+        let (mut sum, mut count) = (0.0, 0);
+        for (fold, bins) in sums.iter().enumerate() {
+            if fold != without {
+                sum += bins[bin].0;
+                count += bins[bin].1;
+            }
+        }
+        if count == 0 { 0.0 } else { sum / count as f64 }
+    };
+    let means: Vec<Vec<f64>> = (0..folds)
+        .map(|fold| (0..BINS).map(|bin| mean(fold, bin)).collect())
+        .collect();
+    let mut errors = vec![0.0; pieces];
+    for ((moment, &bin), &(piece, fold)) in compared.iter().zip(bins).zip(fold_of) {
+        errors[piece] += (moment.measured - moment.model - means[fold][bin]).powi(2);
+    }
+    errors
+}

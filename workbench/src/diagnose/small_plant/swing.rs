@@ -1,0 +1,252 @@
+//! Pendulum: the swing that the model predicts from the start of a stretch against the angle that was read.
+//!
+//! Each stretch starts from the state from which the model follows its readings best; in between the model runs alone.
+//! Steps are those of Runge and Kutta's fourth order, ended exactly where the direction of motion turns, so that dry
+//! friction costs no accuracy.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::model::Model;
+use super::model_file::Measurement;
+use super::motion::Motion;
+use super::problem::Problem;
+use super::term::Sample;
+
+/// Length of a piece [s]: a few swings.
+const PIECE: f64 = 2.0;
+/// Most times that a stretch's start is improved.
+const START_STEPS: usize = 4;
+
+/// A stretch of readings.
+#[derive(Debug, Clone)]
+struct Stretch {
+    /// Time of its first reading since the record's start [s].
+    begin: f64,
+    step: f64,
+    readings: Vec<f64>,
+    /// Angle and rate read at its start.
+    start: [f64; 2],
+}
+
+/// Readings of a swing in stretches.
+#[derive(Debug, Clone)]
+pub struct Swing {
+    stretches: Vec<Stretch>,
+    /// Readings of a piece.
+    piece: usize,
+    folds: Vec<usize>,
+}
+
+impl Swing {
+    /// Each record as one stretch: the free run.
+    #[must_use]
+    pub fn whole(records: &[Motion], measurement: &Measurement) -> Self {
+        Self::cut(records, measurement, f64::INFINITY)
+    }
+
+    /// All records cut into stretches of about this length [s].
+    #[must_use]
+    pub fn cut(records: &[Motion], measurement: &Measurement, length: f64) -> Self {
+        let mut stretches = Vec::new();
+        for record in records {
+            let stride = (1.0 / (measurement.compare_rate * record.interval))
+                .round()
+                .max(1.0) as usize;
+            let indices: Vec<usize> = (0..record.len()).step_by(stride).collect();
+            let step = record.interval * stride as f64;
+            let count = (record.seconds() / length).round().max(1.0) as usize;
+            for part in indices.chunks(indices.len().div_ceil(count)) {
+                let first = part[0];
+                stretches.push(Stretch {
+                    begin: first as f64 * record.interval,
+                    step,
+                    readings: part.iter().map(|&at| record.reading[at]).collect(),
+                    start: [record.position[first], record.velocity[first]],
+                });
+            }
+        }
+        let step = stretches.first().map_or(1.0, |stretch| stretch.step);
+        let piece = ((PIECE / step).round() as usize).max(1);
+        let pieces = |(at, stretch): (usize, &Stretch)| {
+            // A stretch a little longer than a piece is one piece.
+            vec![at; (stretch.readings.len() / piece).max(1)]
+        };
+        Self {
+            folds: stretches.iter().enumerate().flat_map(pieces).collect(),
+            piece,
+            stretches,
+        }
+    }
+
+    /// The model's run through the first stretch, from the start that fits its first `fitted` readings best, and on for
+    /// `count` steps in all [rad].
+    #[must_use]
+    pub fn run(&self, model: &Model, fitted: usize, count: usize) -> Vec<f64> {
+        self.stretches.first().map_or_else(Vec::new, |stretch| {
+            let known = &stretch.readings[..fitted.min(stretch.readings.len())];
+            let start = best_start(model, stretch, known);
+            simulate(model, stretch, start, count)
+        })
+    }
+
+    /// All readings [rad].
+    #[must_use]
+    pub fn readings(&self) -> Vec<f64> {
+        self.stretches
+            .iter()
+            .flat_map(|stretch| stretch.readings.iter().copied())
+            .collect()
+    }
+
+    /// Time between readings [s].
+    #[must_use]
+    pub fn time_step(&self) -> f64 {
+        self.stretches.first().map_or(0.0, |stretch| stretch.step)
+    }
+
+    /// Number of readings of the first stretch.
+    #[must_use]
+    pub fn first_length(&self) -> usize {
+        self.stretches
+            .first()
+            .map_or(0, |stretch| stretch.readings.len())
+    }
+}
+
+impl Problem for Swing {
+    fn residuals(&self, model: &Model) -> Vec<Vec<f64>> {
+        let mut pieces = Vec::with_capacity(self.folds.len());
+        for stretch in &self.stretches {
+            let count = stretch.readings.len();
+            let start = best_start(model, stretch, &stretch.readings);
+            let run = simulate(model, stretch, start, count);
+            let residuals: Vec<f64> = stretch
+                .readings
+                .iter()
+                .zip(run)
+                .map(|(y, x)| y - x)
+                .collect();
+            let parts = (count / self.piece).max(1);
+            for part in 0..parts {
+                pieces.push(residuals[part * count / parts..(part + 1) * count / parts].to_vec());
+            }
+        }
+        pieces
+    }
+
+    fn folds(&self) -> &[usize] {
+        &self.folds
+    }
+}
+
+/// Angle and rate from which the model follows the readings best.
+fn best_start(model: &Model, stretch: &Stretch, readings: &[f64]) -> [f64; 2] {
+    let count = readings.len();
+    let run = |start: [f64; 2]| simulate(model, stretch, start, count);
+    let misfit =
+        |run: &[f64]| -> f64 { readings.iter().zip(run).map(|(y, x)| (y - x).powi(2)).sum() };
+    let mut start = stretch.start;
+    let mut course = run(start);
+    let mut loss = misfit(&course);
+    for _ in 0..START_STEPS {
+        let steps = [1e-5, 1e-4];
+        let moved = [
+            run([start[0] + steps[0], start[1]]),
+            run([start[0], start[1] + steps[1]]),
+        ];
+        let (mut normal, mut pull) = (Matrix2::zeros(), Vector2::zeros());
+        for (at, reading) in readings.iter().enumerate() {
+            let slope = Vector2::new(
+                (moved[0][at] - course[at]) / steps[0],
+                (moved[1][at] - course[at]) / steps[1],
+            );
+            normal += slope * slope.transpose();
+            pull += slope * (reading - course[at]);
+        }
+        let Some(step) = normal.try_inverse().map(|inverse| inverse * pull) else {
+            break;
+        };
+        let next = [start[0] + step[0], start[1] + step[1]];
+        let next_course = run(next);
+        let next_loss = misfit(&next_course);
+        if !next_loss.is_finite() || next_loss > loss * (1.0 - 1e-6) {
+            break;
+        }
+        (start, course, loss) = (next, next_course, next_loss);
+    }
+    start
+}
+
+fn simulate(model: &Model, stretch: &Stretch, start: [f64; 2], count: usize) -> Vec<f64> {
+    let mut state = start;
+    let mut angles = Vec::with_capacity(count);
+    for at in 0..count {
+        angles.push(state[0]);
+        state = step(
+            model,
+            state,
+            stretch.begin + at as f64 * stretch.step,
+            stretch.step,
+        );
+    }
+    angles
+}
+
+/// One step of time; the direction of motion that friction opposes is held until it turns.
+fn step(model: &Model, state: [f64; 2], time: f64, length: f64) -> [f64; 2] {
+    // At a standstill it moves where the forces without friction push it.
+    let direction = if state[1] == 0.0 {
+        acceleration(model, state, time, 0.0).signum()
+    } else {
+        state[1].signum()
+    };
+    let next = runge_kutta(model, state, time, length, direction);
+    if next[1] * direction >= 0.0 || state[1] == 0.0 {
+        return next;
+    }
+    // The rate is nearly straight over a step: two corrections put its zero within rounding.
+    let mut part = length * state[1] / (state[1] - next[1]);
+    for _ in 0..2 {
+        let there = runge_kutta(model, state, time, part, direction);
+        let slope = acceleration(model, there, time + part, direction);
+        if slope != 0.0 {
+            part = (part - there[1] / slope).clamp(0.0, length);
+        }
+    }
+    let turn = runge_kutta(model, state, time, part, direction);
+    runge_kutta(
+        model,
+        [turn[0], 0.0],
+        time + part,
+        length - part,
+        -direction,
+    )
+}
+
+fn runge_kutta(model: &Model, state: [f64; 2], time: f64, h: f64, direction: f64) -> [f64; 2] {
+    let slope = |x: f64, v: f64, t: f64| acceleration(model, [x, v], t, direction);
+    let [x, v] = state;
+    let k1 = slope(x, v, time);
+    let k2 = slope(x + 0.5 * h * v, v + 0.5 * h * k1, time + 0.5 * h);
+    let k3 = slope(
+        x + 0.5 * h * (v + 0.5 * h * k1),
+        v + 0.5 * h * k2,
+        time + 0.5 * h,
+    );
+    let k4 = slope(x + h * (v + 0.5 * h * k2), v + h * k3, time + h);
+    [
+        x + h * v + h * h / 6.0 * (k1 + k2 + k3),
+        v + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4),
+    ]
+}
+
+fn acceleration(model: &Model, state: [f64; 2], time: f64, direction: f64) -> f64 {
+    -model.force(&Sample {
+        time,
+        position: state[0],
+        velocity: state[1],
+        acceleration: 0.0,
+        direction,
+        load: 1.0,
+    })
+}

@@ -1,0 +1,119 @@
+//! Terms of a small plant's equation: what all bases and effects have.
+
+use super::unit::{Dimension, Kind, Path};
+
+/// One moment of a record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Time since the record's start [s].
+    pub time: f64,
+    /// Position [m or rad].
+    pub position: f64,
+    /// Velocity [m/s or rad/s].
+    pub velocity: f64,
+    /// Acceleration [m/s² or rad/s²].
+    pub acceleration: f64,
+    /// Direction of motion: −1 or 1; at a standstill that of the motion before.
+    pub direction: f64,
+    /// Normal load over its mean on the records learned from; 1 where no load is measured.
+    pub load: f64,
+}
+
+/// Where a number may lie.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Range {
+    /// Anywhere.
+    Free,
+    /// Above zero.
+    Positive,
+    /// Between two numbers.
+    Within(f64, f64),
+}
+
+/// A parameter of a term.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Key in the model file.
+    pub key: &'static str,
+    /// What it measures.
+    pub dimension: Dimension,
+    /// Where it may lie.
+    pub range: Range,
+    /// What it is.
+    pub description: &'static str,
+}
+
+/// How a term enters the equation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Added; no part of the friction.
+    Added,
+    /// Added, and part of the friction that others multiply.
+    Friction,
+    /// Replaces the base's friction law.
+    Law,
+    /// Shifts the motion in time against the force.
+    Shift,
+}
+
+/// Force [N, N m; of a pendulum rad/s²] against the motion: parameters, moment, friction of the others at that moment.
+pub type Force = fn(&[f64], &Sample, f64) -> f64;
+
+/// A base or an effect.
+#[derive(Debug)]
+pub struct Entry {
+    /// Name, and section in the model file.
+    pub name: &'static str,
+    /// What it is, in half a sentence.
+    pub description: &'static str,
+    /// What it looks like in records.
+    pub signature: &'static str,
+    /// Names that it is most easily confused with.
+    pub confusable: &'static [&'static str],
+    /// Kinds of plants that can have it.
+    pub kinds: &'static [Kind],
+    /// Path that it needs, if any.
+    pub path: Option<Path>,
+    /// Whether it needs a measured load.
+    pub needs_load: bool,
+    /// How it enters.
+    pub role: Role,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+    /// Its force.
+    pub force: Force,
+    /// Values from which a fit starts, in units of each parameter's usual size.
+    pub starts: &'static [&'static [f64]],
+}
+
+impl PartialEq for Entry {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Entry {
+    /// Whether such a plant can have it.
+    #[must_use]
+    pub fn fits(&self, kind: Kind, path: Path, has_load: bool) -> bool {
+        self.kinds.contains(&kind)
+            && self.path.is_none_or(|needed| needed == path)
+            && (has_load || !self.needs_load)
+    }
+}
+
+/// Shorthand for a parameter.
+#[must_use]
+pub const fn parameter(
+    key: &'static str,
+    dimension: Dimension,
+    range: Range,
+    description: &'static str,
+) -> Parameter {
+    Parameter {
+        key,
+        dimension,
+        range,
+        description,
+    }
+}

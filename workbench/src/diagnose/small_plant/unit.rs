@@ -1,0 +1,137 @@
+//! Kinds of small plants, their dimensions and the units that columns and parameters have.
+
+use super::motion::Scales;
+
+/// What a small plant is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A mass or an inertia under a known force.
+    Drive,
+    /// A body that swings freely about a fixed axis.
+    Pendulum,
+    /// A contact whose force or torque and motion are both measured.
+    Contact,
+}
+
+/// Along what it moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Path {
+    /// A line: metres and newtons.
+    Line,
+    /// A turn: radians and newton metres.
+    Turn,
+}
+
+impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Drive, Self::Pendulum, Self::Contact];
+
+    /// The kind as written in a model file.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Drive => "drive",
+            Self::Pendulum => "pendulum",
+            Self::Contact => "contact",
+        }
+    }
+}
+
+impl Path {
+    /// The path as written in a model file.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Line => "line",
+            Self::Turn => "turn",
+        }
+    }
+}
+
+/// What a parameter measures, from which its unit and its usual size follow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// Mass or moment of inertia.
+    Inertia,
+    /// Force or torque; of a pendulum, torque over inertia.
+    Force,
+    /// Force over speed.
+    ForcePerSpeed,
+    /// Force over the square of speed.
+    ForcePerSpeedSquared,
+    /// Force over position.
+    ForcePerPosition,
+    /// Force over the square of position.
+    ForcePerPositionSquared,
+    /// Speed.
+    Speed,
+    /// Acceleration.
+    Acceleration,
+    /// Time by which something lags.
+    Delay,
+    /// Change over a minute, as a share.
+    PerMinute,
+    /// Angle.
+    Angle,
+    /// Ratio.
+    Ratio,
+}
+
+impl Dimension {
+    /// SI unit of the dimension for a plant of this kind and path.
+    #[must_use]
+    pub fn unit(self, kind: Kind, path: Path) -> &'static str {
+        let turn = path == Path::Turn;
+        let free = kind == Kind::Pendulum;
+        match self {
+            Self::Inertia if turn => "kg.m2",
+            Self::Inertia => "kg",
+            Self::Force if free => "rad/s2",
+            Self::Force if turn => "N.m",
+            Self::Force => "N",
+            Self::ForcePerSpeed if free => "1/s",
+            Self::ForcePerSpeed if turn => "N.m.s/rad",
+            Self::ForcePerSpeed => "N.s/m",
+            Self::ForcePerSpeedSquared if free => "1/rad",
+            Self::ForcePerSpeedSquared if turn => "N.m.s2/rad2",
+            Self::ForcePerSpeedSquared => "N.s2/m2",
+            Self::ForcePerPosition if free => "1/s2",
+            Self::ForcePerPosition if turn => "N.m/rad",
+            Self::ForcePerPosition => "N/m",
+            Self::ForcePerPositionSquared if free => "1/(rad.s2)",
+            Self::ForcePerPositionSquared if turn => "N.m/rad2",
+            Self::ForcePerPositionSquared => "N/m2",
+            Self::Speed if turn => "rad/s",
+            Self::Speed => "m/s",
+            Self::Acceleration if turn => "rad/s2",
+            Self::Acceleration => "m/s2",
+            Self::Delay => "s",
+            Self::PerMinute => "1/min",
+            Self::Angle => "rad",
+            Self::Ratio => "1",
+        }
+    }
+
+    /// Usual size of such a number on records of these sizes.
+    #[must_use]
+    pub fn scale(self, scales: &Scales) -> f64 {
+        let Scales {
+            position,
+            speed,
+            acceleration,
+            force,
+        } = *scales;
+        match self {
+            Self::Inertia => force / acceleration,
+            Self::Force => force,
+            Self::ForcePerSpeed => force / speed,
+            Self::ForcePerSpeedSquared => force / (speed * speed),
+            Self::ForcePerPosition => force / position,
+            Self::ForcePerPositionSquared => force / (position * position),
+            Self::Speed => speed,
+            Self::Acceleration => acceleration,
+            Self::Delay => 0.1 * speed / acceleration,
+            Self::PerMinute | Self::Angle | Self::Ratio => 1.0,
+        }
+    }
+}

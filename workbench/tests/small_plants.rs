@@ -1,0 +1,503 @@
+//! Small plants: what is hidden in records made here is named, nothing is named where nothing is hidden, bad input is told.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use workbench::diagnose::finding::{Finding, VerdictName};
+use workbench::diagnose::small_plant::finding::SmallFinding;
+use workbench::random::Random;
+
+const DRIVE: &str = r#"
+[plant]
+kind = "drive"
+path = "line"
+[columns]
+time = { column = "t", unit = "ms" }
+position = { column = "x", unit = "mm" }
+force = { column = "volt", unit = "V", factor = 4.0 }
+[measurement]
+motion_low_pass = 20.0
+compare_low_pass = 10.0
+compare_rate = 40.0
+edge = 0.2
+[drive]
+inertia = { value = 9.0, unit = "kg" }
+viscous = 25.0
+offset = 0.0
+"#;
+
+/// A drive's record: inertia 10 kg, viscous friction 20 N s/m, dry friction as given.
+fn drive(dry: f64, seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let phase = TAU * random.uniform();
+    let mut text = String::from("t,x,volt\n");
+    let parts = [(0.1, 0.31), (0.04, 0.83), (0.015, 1.7)];
+    for at in 0..6000 {
+        let time = f64::from(at) * 0.004;
+        let (mut x, mut v, mut a) = (0.0, 0.0, 0.0);
+        for (size, hertz) in parts {
+            let (rate, angle) = (TAU * hertz, TAU * hertz * time + phase * hertz);
+            x += size * angle.sin();
+            v += size * rate * angle.cos();
+            a -= size * rate * rate * angle.sin();
+        }
+        let force = 10.0 * a + 20.0 * v + dry * f64::signum(v) + 0.4 * random.normal();
+        let reading = x + 1e-6 * random.normal();
+        let _ = writeln!(
+            text,
+            "{:.1},{:.6},{:.6}",
+            1e3 * time,
+            1e3 * reading,
+            force / 4.0
+        );
+    }
+    text
+}
+
+const CONTACT: &str = r#"
+[plant]
+kind = "contact"
+path = "turn"
+[columns]
+time = { column = "t", unit = "s" }
+velocity = { column = "speed", unit = "rpm" }
+force = { column = "torque", unit = "N m" }
+[measurement]
+motion_low_pass = 10.0
+compare_rate = 100.0
+standstill_speed = 0.3
+[contact]
+sliding = 1.2
+breakaway = 2.2
+speed = 4.0
+"#;
+
+/// A contact's record: a law in the speed, or two Gaussians over the angle α about 8 rad/s and 60 rad/s².
+fn contact(hysteretic: bool, seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let phase = TAU * random.uniform();
+    let mut text = String::from("t,speed,torque\n");
+    for at in 0..2400 {
+        let time = f64::from(at) * 0.01;
+        let rate = TAU * 1.1;
+        let size = 6.0 + 1.5 * (TAU * 0.13 * time + phase).sin();
+        let omega = 8.0 + size * (rate * time).sin();
+        let alpha = size * rate * (rate * time).cos();
+        let angle = f64::atan2(alpha / 60.0, (omega - 8.0) / 8.0);
+        let bell = |height: f64, place: f64, width: f64| {
+            height * (-((angle - place) / width).powi(2)).exp()
+        };
+        let torque = if hysteretic {
+            bell(2.0, -2.4, 1.6) + bell(2.2, 2.4, 2.0)
+        } else {
+            1.0 + 1.4 * (-omega / 5.0).exp()
+        };
+        let _ = writeln!(
+            text,
+            "{time:.3},{:.5},{:.6}",
+            60.0 / TAU * (omega + 0.01 * random.normal()),
+            torque + 0.05 * random.normal()
+        );
+    }
+    text
+}
+
+const PENDULUM: &str = r#"
+[plant]
+kind = "pendulum"
+path = "turn"
+[columns]
+time = { column = "t", unit = "s" }
+position = { column = "angle", unit = "deg" }
+[measurement]
+motion_low_pass = 20.0
+compare_low_pass = 10.0
+compare_rate = 100.0
+edge = 0.2
+[pendulum]
+stiffness = 40.5
+rest = 0.01
+viscous = 0.05
+"#;
+
+/// A pendulum's swing from 1.4 rad: stiffness 40 1/s², viscous drag as given, dry friction and drag with the square of speed.
+fn pendulum(viscous: f64, dry: f64, square: f64, seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let mut text = String::from("t,angle\n");
+    let (mut x, mut v): (f64, f64) = (1.4, 0.0);
+    let step = 1e-5;
+    for at in 0..2_000_000 {
+        if at % 1000 == 0 {
+            let reading = x + 1e-3 * random.normal();
+            let _ = writeln!(
+                text,
+                "{:.2},{:.6}",
+                f64::from(at) * step,
+                reading * 360.0 / TAU
+            );
+        }
+        v -= step * (40.0 * x.sin() + viscous * v + dry * v.signum() + square * v * v.abs());
+        x += step * v;
+    }
+    text
+}
+
+struct Place {
+    directory: tempfile::TempDir,
+}
+
+impl Place {
+    fn new(model: &str, record: &str, held_out: &str) -> Self {
+        let directory = tempfile::tempdir().unwrap();
+        let place = Self { directory };
+        fs::write(place.file("model.toml"), model).unwrap();
+        fs::write(place.file("run-a.csv"), record).unwrap();
+        fs::write(place.file("held-out.csv"), held_out).unwrap();
+        place
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.directory.path().join(name)
+    }
+
+    fn run(&self, stage: &str, more: &[&str]) -> (i32, String) {
+        let case = self.directory.path().to_str().unwrap().to_owned();
+        let out = self.file("out").to_str().unwrap().to_owned();
+        stickslip(&[&[stage, &case, "--out", &out], more].concat())
+    }
+
+    fn finding(&self) -> SmallFinding {
+        SmallFinding::read(&self.file("out")).unwrap()
+    }
+}
+
+fn stickslip(arguments: &[&str]) -> (i32, String) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .args(arguments)
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned()
+        + &String::from_utf8_lossy(&output.stderr);
+    (output.status.code().unwrap(), text)
+}
+
+fn names(found: &SmallFinding) -> Vec<&str> {
+    found
+        .finding
+        .effects
+        .iter()
+        .map(|effect| effect.name.as_str())
+        .collect()
+}
+
+#[test]
+fn dry_friction_of_a_drive_is_named_and_measured() {
+    let place = Place::new(DRIVE, &drive(5.0, 1), &drive(5.0, 2));
+    let (code, text) = place.run("diagnose", &[]);
+    assert_eq!(code, 0, "{text}");
+    let found = place.finding();
+    assert_eq!(found.finding.verdict, VerdictName::Named, "{text}");
+    assert_eq!(names(&found), ["coulomb_friction"]);
+    let force = &found.finding.effects[0].parameters["force"];
+    assert!((force.value / 5.0 - 1.0).abs() < 0.03, "{force:?}");
+    let inertia = &found.finding.parameters["drive.inertia"];
+    let [low, high] = inertia.interval95.unwrap();
+    assert!(
+        low < 10.05 && 9.95 < high && high - low < 0.5,
+        "{inertia:?}"
+    );
+    let steps = &found.small_plant.steps;
+    assert!(
+        steps[1].held_out.rmse < 0.2 * steps[0].held_out.rmse,
+        "{steps:?}"
+    );
+    for file in ["finding.json", "model.amended.toml", "report.html"] {
+        assert!(place.file("out").join(file).is_file(), "{file}");
+    }
+    assert!(text.contains("no FMU was built"), "{text}");
+    // The plain reader of findings takes it too.
+    Finding::read(&place.file("out")).unwrap();
+    // The amended model lacks nothing any more.
+    fs::copy(
+        place.file("out").join("model.amended.toml"),
+        place.file("model.toml"),
+    )
+    .unwrap();
+    let (code, text) = place.run("diagnose", &[]);
+    assert_eq!(code, 0, "{text}");
+    assert_eq!(
+        place.finding().finding.verdict,
+        VerdictName::NothingMissing,
+        "{text}"
+    );
+}
+
+#[test]
+fn nothing_is_named_where_nothing_is_hidden() {
+    for seed in 10..16 {
+        let place = Place::new(DRIVE, &drive(0.0, seed), &drive(0.0, seed + 100));
+        let (code, text) = place.run("diagnose", &[]);
+        assert_eq!(code, 0, "{text}");
+        assert_eq!(
+            place.finding().finding.verdict,
+            VerdictName::NothingMissing,
+            "seed {seed}: {text}"
+        );
+        let place = Place::new(CONTACT, &contact(false, seed), &contact(false, seed + 100));
+        let (code, text) = place.run("diagnose", &[]);
+        assert_eq!(code, 0, "{text}");
+        assert_eq!(
+            place.finding().finding.verdict,
+            VerdictName::NothingMissing,
+            "seed {seed}: {text}"
+        );
+    }
+    let place = Place::new(
+        PENDULUM,
+        &pendulum(0.06, 0.0, 0.0, 1),
+        &pendulum(0.06, 0.0, 0.0, 2),
+    );
+    let (code, text) = place.run("diagnose", &[]);
+    assert_eq!(code, 0, "{text}");
+    assert_eq!(
+        place.finding().finding.verdict,
+        VerdictName::NothingMissing,
+        "{text}"
+    );
+}
+
+#[test]
+fn hysteresis_of_a_contact_is_named() {
+    let place = Place::new(CONTACT, &contact(true, 1), &contact(true, 2));
+    let (code, text) = place.run("diagnose", &[]);
+    assert_eq!(code, 0, "{text}");
+    let found = place.finding();
+    assert_eq!(names(&found), ["acceleration_hysteresis"], "{text}");
+    let rmse = found.small_plant.steps[1].held_out.rmse;
+    assert!((0.04..0.07).contains(&rmse), "noise is 0.05: {rmse}");
+}
+
+#[test]
+fn dry_friction_and_quadratic_drag_of_a_pendulum_are_named() {
+    let swing = |seed| pendulum(0.0, 0.2, 0.01, seed);
+    let place = Place::new(PENDULUM, &swing(1), &swing(2));
+    let (code, text) = place.run("diagnose", &[]);
+    assert_eq!(code, 0, "{text}");
+    let found = place.finding();
+    let mut named = names(&found);
+    named.sort_unstable();
+    assert_eq!(named, ["coulomb_friction", "quadratic_drag"], "{text}");
+    let dry = found
+        .finding
+        .effects
+        .iter()
+        .find(|effect| effect.name == "coulomb_friction")
+        .unwrap();
+    assert!(
+        (dry.parameters["force"].value / 0.2 - 1.0).abs() < 0.1,
+        "{dry:?}"
+    );
+    let last = found.small_plant.steps.last().unwrap();
+    assert!(last.held_out.rmse < 0.003, "{last:?}");
+}
+
+#[test]
+fn the_stages_on_each_others_files() {
+    let place = Place::new(DRIVE, &drive(5.0, 1), &drive(5.0, 2));
+    let (code, text) = place.run("show", &[]);
+    assert_eq!(code, 2, "{text}");
+    assert!(text.contains("stickslip name"), "{text}");
+    let (code, text) = place.run("locate", &[]);
+    assert_eq!(code, 1, "{text}");
+    assert_eq!(
+        place.finding().finding.structure[0].coordinate,
+        "velocity",
+        "{text}"
+    );
+    let (code, text) = place.run(
+        "name",
+        &["--without", "coulomb_friction", "--without", "stribeck"],
+    );
+    assert!(code < 2, "{text}");
+    assert!(
+        !names(&place.finding()).contains(&"coulomb_friction"),
+        "{text}"
+    );
+    let (code, text) = place.run("amend", &["--effect", "coulomb_friction"]);
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = place.run("show", &[]);
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("+ coulomb_friction"), "{text}");
+    let page = fs::read_to_string(place.file("out").join("report.html")).unwrap();
+    roxmltree::Document::parse(page.strip_prefix("<!DOCTYPE html>").unwrap()).unwrap();
+    let (code, text) = place.run("amend", &["--effect", "hardening"]);
+    assert_eq!(code, 2, "{text}");
+    assert!(text.contains("what can be is coulomb_friction"), "{text}");
+}
+
+#[test]
+fn bad_input_is_told_with_what_would_be_right() {
+    let record = drive(5.0, 1);
+    let table: &[(&str, &str, &str, &str)] = &[
+        (
+            "model.toml",
+            "kind = \"drive\"",
+            "kind = \"drvie\"",
+            "one of drive, pendulum, contact",
+        ),
+        (
+            "model.toml",
+            "unit = \"mm\"",
+            "unit = \"inch\"",
+            "none of m, mm, um",
+        ),
+        (
+            "model.toml",
+            "unit = \"V\", factor = 4.0",
+            "unit = \"V\"",
+            "factor",
+        ),
+        (
+            "model.toml",
+            "column = \"x\"",
+            "column = \"y\"",
+            "has no column `y`",
+        ),
+        (
+            "model.toml",
+            "[drive]",
+            "[dirve]",
+            "drive, coulomb_friction",
+        ),
+        (
+            "model.toml",
+            "viscous = 25.0",
+            "viscosity = 25.0",
+            "viscous [N.s/m]",
+        ),
+        ("model.toml", "value = 9.0", "value = -9.0", "above 0"),
+        ("model.toml", "unit = \"kg\"", "unit = \"g\"", "\"kg\""),
+        (
+            "model.toml",
+            "compare_rate = 40.0",
+            "compare_rate = 4000.0",
+            "is sampled at 250.0 Hz",
+        ),
+        ("run-a.csv", "t,x,volt", "time,x,volt", "names `t` as time"),
+        ("run-a.csv", "\n400.0,", "\n400.0,x", "is not a number"),
+        ("run-a.csv", "\n400.0,", "\n401.0,", "FROM:TO"),
+        ("run-a.csv", "\n400.0,", "\n4.0,", "comes after"),
+    ];
+    for (file, from, to, words) in table {
+        let place = Place::new(DRIVE, &record, &drive(5.0, 2));
+        let text = fs::read_to_string(place.file(file)).unwrap();
+        assert!(text.contains(from), "{from}");
+        fs::write(place.file(file), text.replacen(from, to, 1)).unwrap();
+        let (code, message) = place.run("diagnose", &[]);
+        assert_eq!(code, 2, "{message}");
+        assert!(
+            message.contains(words) && message.contains(file),
+            "{words}: {message}"
+        );
+    }
+    let place = Place::new(DRIVE, &record, &record);
+    let (code, message) = place.run("diagnose", &[]);
+    assert_eq!(code, 2, "{message}");
+    assert!(message.contains("same measurement"), "{message}");
+    let (code, message) = place.run("diagnose", &["--without", "coulom_friction"]);
+    assert_eq!(code, 2, "{message}");
+    assert!(message.contains("coulomb_friction"), "{message}");
+}
+
+/// The shared measurements, where this tree has them beside it.
+fn real() -> Option<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    [
+        root.join("../../shared/records/real"),
+        root.join("../../../shared/records/real"),
+    ]
+    .into_iter()
+    .find(|directory| directory.is_dir())
+}
+
+/// Diagnoses a shared measurement with the project's model of it.
+fn measured(model: &str, records: &str, held_out: &str) -> Option<(SmallFinding, String)> {
+    let real = real()?;
+    let out = tempfile::tempdir().unwrap();
+    let model = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../docs/examples")
+        .join(model);
+    let (code, text) = stickslip(&[
+        "diagnose",
+        "--model",
+        model.to_str().unwrap(),
+        "--records",
+        real.join(records).to_str().unwrap(),
+        "--held-out",
+        real.join(held_out).to_str().unwrap(),
+        "--out",
+        out.path().to_str().unwrap(),
+    ]);
+    assert_eq!(code, 0, "{text}");
+    Some((SmallFinding::read(out.path()).unwrap(), text))
+}
+
+#[test]
+fn emps_lacks_dry_friction_and_then_its_asymmetry() {
+    let Some((found, text)) = measured("emps.toml", "emps.csv", "emps_pulses.csv") else {
+        return;
+    };
+    assert_eq!(
+        names(&found)[..2],
+        ["coulomb_friction", "friction_asymmetry"],
+        "{text}"
+    );
+    let steps = &found.small_plant.steps;
+    assert!(
+        steps[1].learned.relative <= 0.041 && steps[1].held_out.relative <= 0.060,
+        "{text}"
+    );
+    assert!(
+        steps[2].learned.relative <= 0.0315 && steps[2].held_out.relative <= 0.054,
+        "{text}"
+    );
+    // Published for the asymmetric model, on the records learned from.
+    assert!(steps.last().unwrap().learned.relative < 0.03112, "{text}");
+    assert!(
+        steps.last().unwrap().held_out.relative < steps[2].held_out.relative,
+        "{text}"
+    );
+}
+
+#[test]
+fn the_drill_string_lacks_acceleration_hysteresis() {
+    let records = ["drillstring_ufrj.csv@31:40", "drillstring_ufrj.csv@40:47"];
+    let Some((found, text)) = measured("drill-string.toml", records[0], records[1]) else {
+        return;
+    };
+    assert_eq!(names(&found)[0], "acceleration_hysteresis", "{text}");
+    assert!(
+        found.small_plant.steps.last().unwrap().held_out.rmse <= 0.228,
+        "{text}"
+    );
+}
+
+#[test]
+fn the_pendulum_lacks_dry_friction_and_quadratic_drag() {
+    let records = [
+        "pendulum_freeswing.csv@0:36.667",
+        "pendulum_freeswing.csv@36.667:55",
+    ];
+    let Some((found, text)) = measured("pendulum.toml", records[0], records[1]) else {
+        return;
+    };
+    let mut named = names(&found);
+    named.sort_unstable();
+    assert_eq!(named, ["coulomb_friction", "quadratic_drag"], "{text}");
+    assert!(
+        found.small_plant.steps.last().unwrap().held_out.rmse <= 0.0052,
+        "{text}"
+    );
+}
