@@ -13,7 +13,7 @@ use super::unit::{Dimension, Kind};
 use crate::diagnose::finding::{Finding, FoundEffect, ParameterValue, Ranked, VerdictName};
 
 /// Share of what is left that a free function of one coordinate may explain before something counts as missing still.
-const STRUCTURED: f64 = 0.3;
+const STRUCTURED: f64 = 0.5;
 /// Standard deviations by which a number must have moved to count as wrong.
 const MOVED: f64 = 2.0;
 

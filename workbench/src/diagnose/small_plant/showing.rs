@@ -131,27 +131,27 @@ pub fn held_out_course(case: &SmallCase, model: &Model) -> Course {
     if case.kind() != Kind::Pendulum {
         return balance_course(&Balance::new(held_out, measurement), model);
     }
-    let alone = Swing::whole(held_out, measurement);
-    let measured = alone.readings();
-    let time: Vec<f64> = (0..measured.len())
-        .map(|at| case.held_out.begin + at as f64 * alone.time_step())
-        .collect();
-    let run = match case.records.last() {
+    let (swing, begin, skipped, known) = match case.records.last() {
         Some(last) if case.goes_on => {
-            let joined = Swing::whole(&[last.followed_by(&case.held_out)], measurement);
             let known = Swing::whole(std::slice::from_ref(last), measurement).first_length();
-            let all = joined.run(model, known, known + measured.len());
-            all[known.min(all.len())..].to_vec()
+            // Thinned out together, so that every reading has its time in the run.
+            let joined = Swing::whole(&[last.followed_by(&case.held_out)], measurement);
+            (joined, last.begin, known, known)
         }
         _ => {
+            let alone = Swing::whole(held_out, measurement);
             let known = (START / alone.time_step()) as usize;
-            alone.run(model, known, measured.len())
+            (alone, case.held_out.begin, 0, known)
         }
     };
+    let readings = swing.readings();
+    let run = swing.run(model, known, readings.len());
     Course {
-        time,
-        measured,
-        model: run,
+        time: (skipped..readings.len())
+            .map(|at| begin + at as f64 * swing.time_step())
+            .collect(),
+        measured: readings[skipped..].to_vec(),
+        model: run[skipped..].to_vec(),
     }
 }
 
