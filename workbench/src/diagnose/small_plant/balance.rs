@@ -23,7 +23,6 @@ pub struct Balance {
     records: Vec<Prepared>,
     piece: usize,
     folds: Vec<usize>,
-    measurement: Measurement,
 }
 
 #[derive(Debug, Clone)]
@@ -86,7 +85,6 @@ impl Balance {
             folds: (0..total).map(|at| at * count / total.max(1)).collect(),
             records: prepared,
             piece,
-            measurement: measurement.clone(),
         }
     }
 
@@ -114,12 +112,6 @@ impl Balance {
             .iter()
             .flat_map(|record| record.measured.chunks(self.piece).map(<[f64]>::len))
             .collect()
-    }
-
-    /// How the comparison is made.
-    #[must_use]
-    pub fn measurement(&self) -> &Measurement {
-        &self.measurement
     }
 }
 

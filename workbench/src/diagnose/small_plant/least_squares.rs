@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::model::Model;
 use super::motion::Scales;
-use super::problem::{Problem, square};
+use super::problem::Problem;
 use super::term::Range;
 
 /// Step of the differences, in units of a number's usual size.
@@ -230,10 +230,4 @@ pub fn intervals(
             (term, at, [end(-half), end(half)])
         })
         .collect()
-}
-
-/// Loss of a fit on all pieces, whatever it was fitted to.
-#[must_use]
-pub fn whole_loss(fit: &Fit) -> f64 {
-    square(&fit.residuals)
 }

@@ -19,6 +19,7 @@ pub mod finding;
 pub mod least_squares;
 pub mod model;
 pub mod model_file;
+mod model_text;
 pub mod motion;
 pub mod naming;
 pub mod problem;

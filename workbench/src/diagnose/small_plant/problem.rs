@@ -18,10 +18,3 @@ pub trait Problem: Sync {
 pub fn square(residuals: &[Vec<f64>]) -> f64 {
     residuals.iter().flatten().map(|r| r * r).sum()
 }
-
-/// Root mean square over all pieces.
-#[must_use]
-pub fn rms(residuals: &[Vec<f64>]) -> f64 {
-    let count: usize = residuals.iter().map(Vec::len).sum();
-    (square(residuals) / count.max(1) as f64).sqrt()
-}

@@ -1,0 +1,83 @@
+//! A small plant's model file as text.
+
+use std::fmt::Write as _;
+
+use super::columns::Column;
+use super::model_file::{Measurement, SmallModel, dotted};
+
+impl SmallModel {
+    /// The file's text, every number with unit, origin and interval; `origins` replaces or adds to what is known.
+    #[must_use]
+    pub fn to_toml(&self, head: &str) -> String {
+        let (kind, path) = (self.model.kind, self.model.path);
+        let mut text: String = head.lines().map(|line| format!("# {line}\n")).collect();
+        let _ = write!(
+            text,
+            "\n[plant]\nkind = \"{}\"\npath = \"{}\"\n\n[columns]\n",
+            kind.word(),
+            path.word()
+        );
+        for (
+            quantity,
+            Column {
+                column,
+                unit,
+                factor,
+            },
+        ) in self.columns.given()
+        {
+            let factor = factor.map_or(String::new(), |factor| format!(", factor = {factor:?}"));
+            let _ = writeln!(
+                text,
+                "{} = {{ column = {column:?}, unit = {unit:?}{factor} }}",
+                quantity.word()
+            );
+        }
+        let Measurement {
+            motion_low_pass,
+            compare_low_pass,
+            compare_rate,
+            edge,
+            standstill_speed,
+        } = &self.measurement;
+        let _ = writeln!(
+            text,
+            "\n[measurement]\nmotion_low_pass = {motion_low_pass:?}"
+        );
+        if let Some(cut_off) = compare_low_pass {
+            let _ = writeln!(text, "compare_low_pass = {cut_off:?}");
+        }
+        let _ = writeln!(
+            text,
+            "compare_rate = {compare_rate:?}\nedge = {edge:?}\nstandstill_speed = {standstill_speed:?}"
+        );
+        for term in self.model.terms() {
+            let _ = writeln!(
+                text,
+                "\n[{}]  # {}",
+                term.entry.name, term.entry.description
+            );
+            for (parameter, value) in term.entry.parameters.iter().zip(&term.values) {
+                let _ = write!(
+                    text,
+                    "{} = {{ value = {value:?}, unit = {:?}",
+                    parameter.key,
+                    parameter.dimension.unit(kind, path)
+                );
+                if let Some(origin) = self.origins.get(&dotted(term.entry, parameter.key)) {
+                    if let Some(source) = &origin.source {
+                        let _ = write!(text, ", source = {source:?}");
+                    }
+                    if let Some([low, high]) = origin.interval95 {
+                        let _ = write!(text, ", interval95 = [{low:?}, {high:?}]");
+                    }
+                    if let Some(uncertainty) = origin.relative_uncertainty {
+                        let _ = write!(text, ", relative_uncertainty = {uncertainty:?}");
+                    }
+                }
+                let _ = writeln!(text, " }}  # {}", parameter.description);
+            }
+        }
+        text
+    }
+}
