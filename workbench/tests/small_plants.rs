@@ -1,5 +1,7 @@
 //! Small plants: what is hidden in records made here is named, nothing is named where nothing is hidden, bad input is told.
 
+#![allow(clippy::unwrap_used, reason = "tests")]
+
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
