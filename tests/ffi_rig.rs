@@ -6,7 +6,7 @@ use importer::{Component, FULL_RIG, Fmi2, Fmi3, Instance, REDUCED_RIG, Version};
 use stickslip::ffi::Status;
 use stickslip::ffi::fmi2::{
     fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2GetRealOutputDerivatives,
-    fmi2Reset, fmi2SetRealInputDerivatives,
+    fmi2Reset, fmi2SetRealInputDerivatives, fmi2SetupExperiment,
 };
 use stickslip::ffi::fmi3::{fmi3EnterEventMode, fmi3EnterStepMode};
 use stickslip::integrator::{Options, Simulation};
@@ -338,4 +338,43 @@ fn sixteen_instances_in_four_threads_do_not_disturb_each_other() {
             });
         }
     });
+}
+
+/// What an importer may not do to the process: keep it busy for ever.
+fn refused_soon(instance: &mut Instance<'_>, size: f64) {
+    let begin = std::time::Instant::now();
+    assert_eq!(instance.try_step(size).status, Status::Error);
+    assert!(
+        begin.elapsed().as_secs() < 60,
+        "{} s for one step",
+        begin.elapsed().as_secs()
+    );
+}
+
+#[test]
+fn an_absurd_input_derivative_ends_in_an_error_and_not_in_an_endless_search() {
+    let component = Component::new(REDUCED_RIG);
+    let mut instance = component.start(Fmi2, &CASE);
+    instance.step(0.1);
+    let reference = instance.reference("u");
+    // SAFETY: one variable, one order, one value.
+    let status = unsafe { fmi2SetRealInputDerivatives(instance.handle, &reference, 1, &1, &1e300) };
+    assert_eq!(status, Status::Ok);
+    refused_soon(&mut instance, 0.3);
+}
+
+#[test]
+fn an_absurd_tolerance_ends_in_an_error_within_the_budget_of_the_step() {
+    let component = Component::new(REDUCED_RIG);
+    let mut instance = component.instantiate(Fmi2);
+    // SAFETY: no pointers but the handle.
+    unsafe {
+        let c = instance.handle;
+        assert_eq!(fmi2SetupExperiment(c, 1, 1e-120, 0.0, 0, 0.0), Status::Ok);
+        assert_eq!(fmi2EnterInitializationMode(c), Status::Ok);
+        CASE.iter()
+            .for_each(|(name, value)| instance.set(name, *value));
+        assert_eq!(fmi2ExitInitializationMode(c), Status::Ok);
+    }
+    refused_soon(&mut instance, 1.0);
 }

@@ -432,18 +432,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         self.statistics.segments += 1;
         let mut step = self.step_length(if settled { SETTLED_SHARE } else { 1.0 });
         if step.is_nan() {
-            let (time, mode) = (self.start.value(), self.system.describe(&self.mode));
-            // Coefficients overflow where a time constant is extremely short.
-            let finite = self.state.as_ref().iter().all(|x| x.value().is_finite());
-            return Err(if finite {
-                IntegrationError::StepTooSmall {
-                    time,
-                    step: 0.0,
-                    mode,
-                }
-            } else {
-                IntegrationError::NotFinite { time, mode }
-            });
+            return Err(self.overflow());
         }
         self.end = End::Step;
         if let Some(tau) = self.system.fold(&self.jet) {
@@ -464,6 +453,10 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             let mut plain = [0.0; TERMS];
             for (p, c) in plain.iter_mut().zip(&guard.series[..=order]) {
                 *p = c.value();
+            }
+            // Bounds that are not finite would exclude nothing, and the search would never end.
+            if !evaluate(&plain.map(f64::abs)[..=order], reach).is_finite() {
+                return Err(self.overflow());
             }
             // Of guards that are lost together the first counts: the next segment looks at the others.
             if let Some(tau) = loss(&plain[..=order], reach, step, self.departing)
@@ -502,6 +495,21 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         }
         self.expanded = true;
         Ok(())
+    }
+
+    /// Coefficients overflow where a time constant is extremely short or an input absurdly large.
+    #[cold]
+    fn overflow(&self) -> IntegrationError {
+        let (time, mode) = (self.start.value(), self.system.describe(&self.mode));
+        if self.state.as_ref().iter().all(|x| x.value().is_finite()) {
+            IntegrationError::StepTooSmall {
+                time,
+                step: 0.0,
+                mode,
+            }
+        } else {
+            IntegrationError::NotFinite { time, mode }
+        }
     }
 
     fn step_length(&self, share: f64) -> f64 {

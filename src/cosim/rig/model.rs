@@ -112,7 +112,7 @@ impl RigModel {
 
     #[cold]
     fn advance(&mut self, until: f64, stop_at_switch: bool) -> Result<StepEnd, ModelError> {
-        let budget = self.options().budget;
+        let budget = segment_budget(until - self.time).min(self.options().budget);
         let course = self.course.as_deref_mut().ok_or_else(not_started)?;
         let outcome = course.advance(self.time, until, stop_at_switch, budget);
         self.time = match &outcome {
@@ -348,6 +348,16 @@ impl CoSimulationModel for RigModel {
         self.switched_at_once = false;
         self.course = None;
     }
+}
+
+/// Segments that a communication step of `length` seconds may spend.
+///
+/// The shipped rigs take some hundred a second, stiff ones some thousand. Without a bound that goes with the
+/// length, a parameter that makes a time constant absurdly short would hold the importer's process for minutes in
+/// a step of a millisecond.
+fn segment_budget(length: f64) -> u64 {
+    const BUDGET: f64 = 50_000.0;
+    (BUDGET * (1.0 + length)) as u64
 }
 
 /// A real that may be absent; its place in the state is always there.
