@@ -10,6 +10,7 @@ use std::ptr;
 
 use thiserror::Error;
 
+use crate::binary_header::{self, HeaderError};
 use crate::library::Library;
 use crate::platform::FmiVersion;
 use crate::symbols;
@@ -35,6 +36,14 @@ pub enum BinaryError {
         path: PathBuf,
         /// The system's reason.
         source: std::io::Error,
+    },
+    /// The file is not loaded, because of what its headers say.
+    #[error("{} cannot be loaded: {source}", path.display())]
+    Header {
+        /// The library as named by the user.
+        path: PathBuf,
+        /// What is wrong.
+        source: HeaderError,
     },
     /// The system's loader refuses the file.
     #[error("{} is not a library that this system can load: {source}", path.display())]
@@ -98,6 +107,10 @@ pub fn check(
     version: FmiVersion,
     expectation: &Expectation<'_>,
 ) -> Result<(), BinaryError> {
+    binary_header::check(&library.content).map_err(|source| BinaryError::Header {
+        path: library.path.clone(),
+        source,
+    })?;
     let folder = tempfile::tempdir().map_err(|source| BinaryError::Copy {
         path: std::env::temp_dir(),
         source,

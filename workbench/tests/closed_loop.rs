@@ -112,11 +112,6 @@ fn what_cannot_be_a_closed_loop_is_refused_with_its_reason() {
     };
     let range = "--speed-rpm 20:60:3 --normal-force 50";
     refused("full-rig.toml", range, "has an output `u`");
-    refused(
-        "soft-torque.toml",
-        &format!("{range} --normal-force-1 5"),
-        "no disc D1",
-    );
     refused("absent.toml", range, "cannot be read");
     refused(
         "soft-torque.toml",

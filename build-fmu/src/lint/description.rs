@@ -12,6 +12,15 @@ use crate::platform::FmiVersion;
 /// File name of the description inside the FMU.
 pub(super) const DESCRIPTION: &str = "modelDescription.xml";
 
+/// Largest description that is read [bytes]: some 50,000 variables.
+const LARGEST: usize = 16 << 20;
+/// Most elements that are read.
+const MOST_ELEMENTS: usize = 200_000;
+/// Deepest nesting; the standards' own is below 10.
+const DEEPEST: usize = 64;
+/// Most attributes of an element. Each is compared with each, so a hundred thousand would take minutes.
+const MOST_ATTRIBUTES: usize = 256;
+
 /// Attributes of an element.
 pub(super) type Attributes = BTreeMap<String, String>;
 
@@ -78,6 +87,12 @@ impl Description {
             }));
         }
         let bytes = package.read(DESCRIPTION).map_err(broken)?;
+        if bytes.len() > LARGEST {
+            return Err(broken(format!(
+                "has {} bytes; more than {LARGEST} are not read",
+                bytes.len()
+            )));
+        }
         let text =
             String::from_utf8(bytes).map_err(|error| broken(format!("is not UTF-8: {error}")))?;
         let mut walk = Walk::default();
@@ -88,6 +103,7 @@ impl Description {
 
 #[derive(Default)]
 struct Walk {
+    elements: usize,
     path: Vec<String>,
     root: Attributes,
     interfaces: Vec<(String, Option<String>)>,
@@ -104,6 +120,9 @@ impl Walk {
         let mut reader = Reader::from_str(text);
         loop {
             match reader.read_event() {
+                Ok(Event::Start(_)) if self.path.len() == DEEPEST => {
+                    return Err(format!("nests elements deeper than {DEEPEST}"));
+                }
                 Ok(Event::Start(element)) => {
                     let name = self.open(&element)?;
                     self.path.push(name);
@@ -126,6 +145,10 @@ impl Walk {
     }
 
     fn open(&mut self, element: &BytesStart<'_>) -> Result<String, String> {
+        self.elements += 1;
+        if self.elements > MOST_ELEMENTS {
+            return Err(format!("has more than {MOST_ELEMENTS} elements"));
+        }
         let name = element.name().as_ref().to_owned();
         let attributes = attributes(element)?;
         let place: Vec<&str> = self.path.iter().map(String::as_str).collect();
@@ -239,7 +262,13 @@ fn merge(outer: Option<&mut Variable>, kind: &str, inner: Attributes) {
 fn attributes(element: &BytesStart<'_>) -> Result<Attributes, String> {
     element
         .attributes()
-        .map(|attribute| {
+        .enumerate()
+        .map(|(place, attribute)| {
+            if place == MOST_ATTRIBUTES {
+                return Err(format!(
+                    "has an element with more than {MOST_ATTRIBUTES} attributes"
+                ));
+            }
             let attribute = attribute.map_err(|error| format!("is not well-formed: {error}"))?;
             let name = attribute.key.as_ref().to_owned();
             let value = attribute

@@ -11,8 +11,10 @@ use super::zip_directory::{self, DirectoryEntry};
 
 /// Entries beyond which an archive is taken for hostile.
 const MAX_ENTRIES: usize = 20_000;
+/// Size of the archive beyond which it is not read.
+const MAX_FILE: u64 = 128 << 20;
 /// Uncompressed bytes of all entries beyond which an archive is taken for hostile.
-const MAX_TOTAL: u64 = 2 << 30;
+const MAX_TOTAL: u64 = 256 << 20;
 /// Uncompressed over compressed size beyond which a large entry is taken for a bomb; deflate itself ends at 1032.
 const MAX_RATIO: u64 = 200;
 /// Uncompressed size below which the ratio does not matter.
@@ -60,10 +62,18 @@ impl Package {
     /// # Errors
     /// [`OpenError`] if the file is no archive or one that is too large to unpack.
     pub fn open(path: &Path) -> Result<Self, OpenError> {
-        let bytes = fs::read(path).map_err(|source| OpenError::Read {
+        let unreadable = |source| OpenError::Read {
             path: path.to_owned(),
             source,
-        })?;
+        };
+        let size = fs::metadata(path).map_err(unreadable)?.len();
+        if size > MAX_FILE {
+            return Err(OpenError::Bomb {
+                path: path.to_owned(),
+                reason: format!("{size} bytes, more than {MAX_FILE}"),
+            });
+        }
+        let bytes = fs::read(path).map_err(unreadable)?;
         let not_zip = |reason: String| OpenError::NotZip {
             path: path.to_owned(),
             reason,

@@ -29,9 +29,6 @@ pub struct ClosedLoopArguments {
     /// Normal force N2 on disc D2 [N]: from:to:count or one value.
     #[arg(long, allow_hyphen_values = true)]
     pub normal_force: Span,
-    /// Normal force N1 on disc D1 [N], for the full rig.
-    #[arg(long)]
-    pub normal_force_1: Option<f64>,
     /// Time between exchanges of rig and controller [s]; several, with commas, give a table over them.
     #[arg(long, value_delimiter = ',', default_value = "0.002")]
     pub communication_step: Vec<f64>,

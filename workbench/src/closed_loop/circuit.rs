@@ -101,16 +101,18 @@ impl Circuit {
         })
     }
 
-    /// Sets an input of the controller, if there is one.
+    /// Sets an input of whoever has it: the controller, or else the rig.
     ///
     /// # Errors
-    /// It has no such input, or refuses the value.
-    pub fn set_reference(&mut self, name: &str, value: f64) -> Result<(), CircuitError> {
-        if let Some((controller, ..)) = &mut self.controller {
-            let place = position(&**controller, name)?;
-            controller.set(&[(place, value)])?;
+    /// Nobody has it, or it refuses the value.
+    pub fn set(&mut self, name: &str, value: f64) -> Result<(), CircuitError> {
+        if let Some((controller, ..)) = &mut self.controller
+            && let Ok(place) = position(&**controller, name)
+        {
+            return Ok(controller.set(&[(place, value)])?);
         }
-        Ok(())
+        let place = position(&*self.rig, name)?;
+        Ok(self.rig.set(&[(place, value)])?)
     }
 
     /// Begins the run at time 0, which will not go beyond `stop` [s].

@@ -20,7 +20,6 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
     let conditions = |row: usize, column: usize| Conditions {
         speed_rpm: speeds[column],
         normal_force: forces[row % forces.len()],
-        normal_force_1: arguments.normal_force_1,
         step: arguments.communication_step[0],
         duration: arguments.duration,
     };
@@ -106,11 +105,10 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
 /// What makes two maps the same: all settings and the models.
 fn identity(arguments: &ClosedLoopArguments) -> anyhow::Result<String> {
     let mut text = format!(
-        "closed loop, version {}; {:?}; {:?}; {:?}; step {:?}; duration {:?}",
+        "closed loop, version {}; {:?}; {:?}; step {:?}; duration {:?}",
         env!("CARGO_PKG_VERSION"),
         arguments.speed_rpm,
         arguments.normal_force,
-        arguments.normal_force_1,
         arguments.communication_step,
         arguments.duration
     );

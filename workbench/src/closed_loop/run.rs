@@ -4,13 +4,12 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 
 use super::circuit::Circuit;
 use crate::analysis::motion::{Evidence, evidence};
-use crate::component::{self, position};
+use crate::component::{self, Component, position};
 use crate::map::Point;
-use crate::simulate::Drive;
 
 /// What drives the rig.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,8 +41,6 @@ pub struct Conditions {
     pub speed_rpm: f64,
     /// Normal force on disc D2 [N].
     pub normal_force: f64,
-    /// Normal force on disc D1 [N], for the full rig.
-    pub normal_force_1: Option<f64>,
     /// Time between exchanges [s].
     pub step: f64,
     /// Length [s].
@@ -75,24 +72,22 @@ pub fn run(
     conditions: &Conditions,
     stop: &AtomicBool,
 ) -> anyhow::Result<Samples> {
-    let mut rig = component::open(rig)?;
-    let drive = Drive::from_speed(
-        &*rig,
-        |_| None,
-        conditions.speed_rpm,
-        conditions.normal_force,
-        conditions.normal_force_1,
-    )?;
-    // The voltage too: a controller replaces it at the first exchange.
-    rig.set(&drive.values(0))?;
+    let speed = conditions.speed_rpm * PI / 30.0;
+    let rig = component::open(rig)?;
     let mut circuit = match case {
-        Case::ConstantVoltage => Circuit::new(rig, None)?,
+        Case::ConstantVoltage => {
+            let voltage = voltage_for_speed(&*rig, speed)?;
+            let mut circuit = Circuit::new(rig, None)?;
+            circuit.set("u", voltage)?;
+            circuit
+        }
         Case::Controller(path) => {
             let mut circuit = Circuit::new(rig, Some(component::open(path)?))?;
-            circuit.set_reference("omega_ref", conditions.speed_rpm * PI / 30.0)?;
+            circuit.set("omega_ref", speed)?;
             circuit
         }
     };
+    circuit.set("N2", conditions.normal_force)?;
     let steps = (conditions.duration / conditions.step).round() as usize;
     circuit.initialise(steps as f64 * conditions.step)?;
     let names = ["theta_dot", "theta3_dot", "u", "stuck"];
@@ -116,6 +111,24 @@ pub fn run(
         samples.stuck.push(values[3] != 0.0);
     }
     Ok(samples)
+}
+
+/// Voltage [V] that turns the undisturbed rig at `speed` [rad/s]: u = R (C_m η ω + T_fm sign ω)/K_T + K_E η ω.
+fn voltage_for_speed(rig: &dyn Component, speed: f64) -> anyhow::Result<f64> {
+    let value = |name: &str| -> anyhow::Result<f64> {
+        let variable = &rig.variables()[position(rig, name)?];
+        variable
+            .start
+            .with_context(|| format!("{}: {name} has no start value", rig.title()))
+    };
+    let motor_speed = value("gearbox.ratio")? * speed;
+    let direction = if speed == 0.0 { 0.0 } else { speed.signum() };
+    let torque =
+        value("motor.viscous_damping")? * motor_speed + value("motor.coulomb_torque")? * direction;
+    Ok(
+        value("motor.resistance")? * torque / value("motor.torque_constant")?
+            + value("motor.back_emf_constant")? * motor_speed,
+    )
 }
 
 impl Samples {

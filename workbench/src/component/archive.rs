@@ -11,7 +11,11 @@ use zip::ZipArchive;
 /// Most entries that an archive may have.
 const MOST_ENTRIES: usize = 10_000;
 /// Most bytes that an archive may unpack to.
-const MOST_BYTES: u64 = 512 << 20;
+const MOST_BYTES: u64 = 256 << 20;
+/// Unpacked over packed size beyond which a large entry is taken for a bomb; binaries and XML stay below 20.
+const MOST_RATIO: u64 = 200;
+/// Unpacked size below which the ratio does not matter.
+const RATIO_FLOOR: u64 = 16 << 20;
 
 /// Why an archive was refused. Nothing of it remains on the disk.
 #[derive(Debug, Error)]
@@ -45,7 +49,7 @@ pub enum ArchiveError {
         problem: &'static str,
     },
     /// The archive is larger than any FMU needs to be.
-    #[error("{path}: refused, because it has more than {MOST_ENTRIES} entries or unpacks to more than {} MiB", MOST_BYTES >> 20)]
+    #[error("{path}: refused, because it has more than {MOST_ENTRIES} entries or unpacks to more than {} MiB or {MOST_RATIO} times its size", MOST_BYTES >> 20)]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -82,6 +86,18 @@ impl Archive {
             return Err(ArchiveError::TooLarge {
                 path: path.to_owned(),
             });
+        }
+        let mut announced = 0_u64;
+        for index in 0..archive.len() {
+            let entry = archive.by_index_raw(index).map_err(not_zip)?;
+            announced = announced.saturating_add(entry.size());
+            let bomb = entry.size() > RATIO_FLOOR
+                && entry.size() / entry.compressed_size().max(1) > MOST_RATIO;
+            if bomb || announced > MOST_BYTES {
+                return Err(ArchiveError::TooLarge {
+                    path: path.to_owned(),
+                });
+            }
         }
         let directory = TempDir::with_prefix("stickslip-fmu-")
             .map_err(failed("make a directory to unpack it into"))?;
@@ -120,13 +136,17 @@ impl Archive {
                 Err(error) => return Err(failed("be unpacked")(error)),
             };
             // What the archive says of its sizes may be a lie; what comes out of it is counted.
+            let limit = left.min(entry.size()) + 1;
             let written =
-                io::copy(&mut (&mut entry).take(left + 1), &mut output).map_err(|error| {
+                io::copy(&mut (&mut entry).take(limit), &mut output).map_err(|error| {
                     ArchiveError::NotZip {
                         path: path.to_owned(),
                         reason: error.to_string(),
                     }
                 })?;
+            if written > entry.size() {
+                return Err(hostile("unpacks to more than it says"));
+            }
             left = left
                 .checked_sub(written)
                 .ok_or_else(|| ArchiveError::TooLarge {

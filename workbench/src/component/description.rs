@@ -2,10 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use roxmltree::{Document, Node};
+use roxmltree::{Document, Node, ParsingOptions};
 use thiserror::Error;
 
 use super::variable::{Kind, Role, Variable};
+
+/// Most elements, texts and comments together: hundred bytes of memory each.
+const MOST_NODES: u32 = 1_000_000;
+
+/// Most attributes of an element. The parser compares each with each, so a hundred thousand would take minutes.
+const MOST_ATTRIBUTES: usize = 256;
+
+/// Deepest nesting; the standards' own is below 10. The parser calls itself for each level.
+const DEEPEST: usize = 64;
 
 /// Version of the standard that an FMU follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,8 +62,18 @@ impl Description {
             path: path.to_owned(),
             problem,
         };
-        let document =
-            Document::parse(text).map_err(|error| refuse(format!("is not sound XML: {error}")))?;
+        let shape = Shape::of(text);
+        if shape.attributes > MOST_ATTRIBUTES || shape.depth > DEEPEST {
+            return Err(refuse(format!(
+                "has an element with more than {MOST_ATTRIBUTES} attributes or nests deeper than {DEEPEST}"
+            )));
+        }
+        let unsound = |error: roxmltree::Error| refuse(format!("is not sound XML: {error}"));
+        let options = ParsingOptions {
+            nodes_limit: MOST_NODES,
+            ..ParsingOptions::default()
+        };
+        let document = Document::parse_with_options(text, options).map_err(unsound)?;
         let root = document.root_element();
         let version = match root.attribute("fmiVersion") {
             Some("2.0") => FmiVersion::Two,
@@ -113,6 +132,57 @@ impl Description {
             token: token.to_owned(),
             variables,
         })
+    }
+}
+
+/// What an XML text would cost its parser, found without one.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Shape {
+    /// The largest number of `=` outside quotes within one tag: never fewer than its attributes.
+    attributes: usize,
+    /// How deep elements are nested.
+    depth: usize,
+}
+
+impl Shape {
+    fn of(text: &str) -> Self {
+        let mut shape = Self::default();
+        let mut open = 0_usize;
+        let mut rest = text;
+        while let Some(at) = rest.find('<') {
+            rest = &rest[at..];
+            let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")]
+                .into_iter()
+                .find(|(begin, _)| rest.starts_with(begin));
+            if let Some((begin, end)) = skipped {
+                let inside = &rest[begin.len()..];
+                rest = inside.find(end).map_or("", |at| &inside[at..]);
+                continue;
+            }
+            let (mut count, mut quote, mut length) = (0, None, rest.len());
+            for (at, byte) in rest.bytes().enumerate() {
+                match (byte, quote) {
+                    (b'"' | b'\'', None) => quote = Some(byte),
+                    (_, Some(open)) if byte == open => quote = None,
+                    (b'=', None) => count += 1,
+                    (b'>', None) => {
+                        length = at;
+                        break;
+                    }
+                    _ => {}
+                }
+            }
+            let tag = &rest[..length];
+            if tag.starts_with("</") {
+                open = open.saturating_sub(1);
+            } else if !tag.ends_with('/') {
+                open += 1;
+            }
+            shape.attributes = shape.attributes.max(count);
+            shape.depth = shape.depth.max(open);
+            rest = &rest[length..];
+        }
+        shape
     }
 }
 
@@ -211,6 +281,18 @@ mod tests {
         assert_eq!(two.variables, three.variables);
         assert_eq!(two.variables[0].minimum, Some(-24.0));
         assert_eq!((two.token, two.version), (three.token, FmiVersion::Two));
+    }
+
+    #[test]
+    fn attributes_and_depth_are_those_of_tags_only() {
+        let shape = |text| {
+            let Shape { attributes, depth } = Shape::of(text);
+            (attributes, depth)
+        };
+        let text = "<!-- a=1 b='2 --><a b='=' c=\"<x y='1' z='2' w='3'>\"/><?p q=r?><![CDATA[<a b=c d=e f=g>]]>";
+        assert_eq!(shape(text), (2, 0));
+        assert_eq!(shape("<a><b><c/></b><b></b></a>"), (0, 2));
+        assert_eq!(shape("<a b='1' c='2' d="), (3, 1));
     }
 
     #[test]

@@ -1,9 +1,12 @@
 //! An FMU of either version, run through its binary.
 
+use std::error::Error;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use build_fmu::binary_header;
 use libloading::Library;
 
 use super::archive::Archive;
@@ -12,6 +15,10 @@ use super::fmu2::Fmi2;
 use super::fmu3::Fmi3;
 use super::variable::{Kind, Variable};
 use super::{Component, ComponentError};
+
+const DESCRIPTION: &str = "modelDescription.xml";
+/// Largest description that is read [bytes]: some 50,000 variables.
+const LARGEST_DESCRIPTION: u64 = 16 << 20;
 
 /// What FMUs wrote to their log, oldest first.
 pub(super) type Log = Arc<Mutex<Vec<String>>>;
@@ -64,8 +71,12 @@ impl Fmu {
             reason,
         };
         let file = binary_file(&archive, &description).map_err(binary)?;
+        let content = fs::read(&file).map_err(|error| binary(error.to_string()))?;
+        binary_header::check(&content).map_err(|error| binary(error.to_string()))?;
+        drop(content);
         // SAFETY: loading runs the library's initialisers, as the user asks for by naming the FMU.
-        let library = unsafe { Library::new(&file) }.map_err(|error| binary(error.to_string()))?;
+        let library =
+            unsafe { Library::new(&file) }.map_err(|error| binary(with_causes(&error)))?;
         let log = Log::default();
         let resources = archive.directory().join("resources");
         let instance: Result<Box<dyn Instance>, String> = match description.version {
@@ -95,10 +106,11 @@ impl Fmu {
 
     fn unpack(path: &Path) -> Result<(Archive, Description), ComponentError> {
         let archive = Archive::unpack(path)?;
-        let file = archive.directory().join("modelDescription.xml");
-        let text = fs::read_to_string(&file).map_err(|source| ComponentError::Read {
-            path: path.join("modelDescription.xml"),
-            source,
+        let text = description_text(&archive.directory().join(DESCRIPTION)).map_err(|source| {
+            ComponentError::Read {
+                path: path.join(DESCRIPTION),
+                source,
+            }
         })?;
         let description = Description::parse(&text, path)?;
         Ok((archive, description))
@@ -121,6 +133,28 @@ fn status_name(status: i32) -> String {
         4 => "fatal".to_owned(),
         other => format!("status {other}"),
     }
+}
+
+/// An error with what caused it: the loader's own words are in the cause.
+fn with_causes(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        text += &format!(": {inner}");
+        cause = inner.source();
+    }
+    text
+}
+
+/// The text of a description, if it is of a size that can be read in no time.
+fn description_text(file: &Path) -> io::Result<String> {
+    let size = fs::metadata(file)?.len();
+    if size > LARGEST_DESCRIPTION {
+        return Err(io::Error::other(format!(
+            "it has {size} bytes; more than {LARGEST_DESCRIPTION} are not read"
+        )));
+    }
+    fs::read_to_string(file)
 }
 
 /// Empties the log into the end of a message.

@@ -1,4 +1,4 @@
-//! Writing files and directories whole or not at all.
+//! Writing files whole or not at all.
 //!
 //! Content goes to a hidden neighbour of the target first, is flushed to the disk and only then takes the target's
 //! name, so that a reader, a crash or a full disk never meets half a result.
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use thiserror::Error;
 
-/// Why a file or directory was not written; the target is as it was before.
+/// Why a file was not written; the target is as it was before.
 #[derive(Debug, Error)]
 pub enum WriteError {
     /// The operating system refused a step.
@@ -24,26 +24,11 @@ pub enum WriteError {
         source: io::Error,
     },
     /// The target has no file name, such as `/` or `..`.
-    #[error("{path}: is not a name that a file or directory could be given")]
+    #[error("{path}: is not a name that a file could be given")]
     NoName {
         /// The target as given.
         path: PathBuf,
     },
-    /// The directory exists, is not empty and was not to be replaced.
-    #[error("{path}: exists and is not empty; name a new directory or remove it first")]
-    Occupied {
-        /// The target directory.
-        path: PathBuf,
-    },
-}
-
-/// What to do where the target directory already exists with content.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum IfOccupied {
-    /// Leave it alone and return [`WriteError::Occupied`].
-    Refuse,
-    /// Replace it with everything in it.
-    Replace,
 }
 
 /// Writes `content` to the file `path`, replacing what was there in one step. Missing parent directories are made.
@@ -61,56 +46,6 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<(), WriteError> {
     written?;
     flush_directory(&parent);
     Ok(())
-}
-
-/// Makes the directory `path` with what `fill` puts into the empty directory it is given.
-///
-/// # Errors
-/// The error of `fill`, or [`WriteError`] converted into it; `path` is then as it was before.
-pub fn write_directory<T, E: From<WriteError>>(
-    path: &Path,
-    if_occupied: IfOccupied,
-    fill: impl FnOnce(&Path) -> Result<T, E>,
-) -> Result<T, E> {
-    let parent = make_parent(path)?;
-    if if_occupied == IfOccupied::Refuse && is_occupied(path) {
-        return Err(WriteError::Occupied {
-            path: path.to_owned(),
-        }
-        .into());
-    }
-    let partial = partial_name(path)?;
-    fs::create_dir(&partial).map_err(failed(path, "make a directory beside it"))?;
-    let filled = fill(&partial).and_then(|value| {
-        exchange(path, &partial)?;
-        Ok(value)
-    });
-    if filled.is_err() {
-        let _ = fs::remove_dir_all(&partial);
-    }
-    flush_directory(&parent);
-    filled
-}
-
-fn is_occupied(path: &Path) -> bool {
-    match fs::read_dir(path) {
-        Ok(mut entries) => entries.next().is_some(),
-        Err(_) => path.exists(),
-    }
-}
-
-/// Puts `partial` in the place of `path`; what stood there steps aside first and comes back if that fails.
-fn exchange(path: &Path, partial: &Path) -> Result<(), WriteError> {
-    if !path.exists() {
-        return fs::rename(partial, path).map_err(failed(path, "name the finished directory"));
-    }
-    let aside = partial_name(path)?;
-    fs::rename(path, &aside).map_err(failed(path, "move the old directory aside"))?;
-    if let Err(source) = fs::rename(partial, path) {
-        let _ = fs::rename(&aside, path);
-        return Err(failed(path, "name the finished directory")(source));
-    }
-    fs::remove_dir_all(&aside).map_err(failed(path, "remove the old directory"))
 }
 
 fn fill_file(path: &Path, partial: &Path, content: &[u8]) -> Result<(), WriteError> {
@@ -186,38 +121,6 @@ mod tests {
         write_file(&target, b"second").unwrap();
         assert_eq!(fs::read(&target).unwrap(), b"second");
         assert_eq!(entries(target.parent().unwrap()), ["result.csv"]);
-    }
-
-    #[test]
-    fn a_failed_directory_leaves_the_old_one() {
-        let place = tempfile::tempdir().unwrap();
-        let target = place.path().join("out");
-        write_directory::<_, WriteError>(&target, IfOccupied::Refuse, |inside| {
-            write_file(&inside.join("kept"), b"old")
-        })
-        .unwrap();
-        let failure = write_directory::<(), WriteError>(&target, IfOccupied::Replace, |inside| {
-            write_file(&inside.join("half"), b"new")?;
-            Err(WriteError::NoName {
-                path: PathBuf::from(".."),
-            })
-        });
-        assert!(failure.is_err());
-        assert_eq!(entries(&target), ["kept"]);
-        assert_eq!(entries(place.path()), ["out"]);
-    }
-
-    #[test]
-    fn an_occupied_directory_is_replaced_only_on_request() {
-        let place = tempfile::tempdir().unwrap();
-        let target = place.path().join("out");
-        let fill = |name: &'static str| move |inside: &Path| write_file(&inside.join(name), b"x");
-        write_directory(&target, IfOccupied::Refuse, fill("first")).unwrap();
-        let refused = write_directory(&target, IfOccupied::Refuse, fill("second"));
-        assert!(matches!(refused, Err(WriteError::Occupied { .. })));
-        write_directory(&target, IfOccupied::Replace, fill("second")).unwrap();
-        assert_eq!(entries(&target), ["second"]);
-        assert_eq!(entries(place.path()), ["out"]);
     }
 
     #[test]

@@ -167,7 +167,7 @@ impl Drive {
     }
 
     /// Positions and values of a sample.
-    pub(crate) fn values(&self, sample: usize) -> Vec<(usize, f64)> {
+    pub(super) fn values(&self, sample: usize) -> Vec<(usize, f64)> {
         self.positions
             .iter()
             .copied()
