@@ -1,0 +1,107 @@
+//! A program of the project, run as a user runs it, with what it cost.
+
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+
+/// The program `name` beside the running one, or one folder up for a test.
+///
+/// # Errors
+/// It is in neither place.
+pub fn find(name: &str) -> Result<PathBuf> {
+    let program = std::env::current_exe().context("cannot tell where this program is")?;
+    let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
+    for folder in program.ancestors().skip(1).take(2) {
+        let path = folder.join(&file);
+        if path.is_file() {
+            return Ok(path);
+        }
+    }
+    bail!(
+        "{file} is not beside {}; build it with `cargo build -p stickslip -p build-fmu -p workbench` in the same profile",
+        program.display()
+    )
+}
+
+/// The content of a file of results, but for how long a diagnosis took: `seconds` of a `finding.json`.
+#[must_use]
+pub fn without_duration(path: &Path, content: Vec<u8>) -> Vec<u8> {
+    if path.file_name().is_none_or(|name| name != "finding.json") {
+        return content;
+    }
+    let text = String::from_utf8_lossy(&content);
+    let lines = text
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("\"seconds\":"));
+    lines.collect::<Vec<_>>().join("\n").into_bytes()
+}
+
+/// How a program ended and what it took.
+#[derive(Debug)]
+pub struct Ended {
+    /// Its exit status.
+    pub status: ExitStatus,
+    /// What it said on standard error.
+    pub said: String,
+    /// Processor time [s], as far as the last look before its end.
+    pub seconds: f64,
+    /// Largest resident memory [MiB], as far as the last look before its end.
+    pub mebibytes: f64,
+}
+
+/// Runs a program to its end, looking at what it takes every few milliseconds.
+///
+/// # Errors
+/// It cannot be started.
+pub fn run(command: &mut Command) -> Result<Ended> {
+    let mut child = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .with_context(|| format!("cannot start {command:?}"))?;
+    let mut pipe = child.stderr.take().context("no standard error")?;
+    let reader = thread::spawn(move || {
+        let mut said = String::new();
+        let _ = pipe.read_to_string(&mut said);
+        said
+    });
+    let (mut seconds, mut mebibytes) = (0.0_f64, 0.0_f64);
+    let status = loop {
+        if let Some((time, memory)) = usage(&child) {
+            (seconds, mebibytes) = (seconds.max(time), mebibytes.max(memory));
+        }
+        if let Some(status) = child.try_wait()? {
+            break status;
+        }
+        thread::sleep(Duration::from_millis(2));
+    };
+    Ok(Ended {
+        status,
+        said: reader.join().unwrap_or_default(),
+        seconds,
+        mebibytes,
+    })
+}
+
+/// Processor time [s] and largest resident memory [MiB] of a running process; Linux only.
+fn usage(child: &Child) -> Option<(f64, f64)> {
+    /// Ticks of the processor times in `/proc`, the same on all platforms of Linux that Rust runs on.
+    const TICKS: f64 = 100.0;
+    let folder = Path::new("/proc").join(child.id().to_string());
+    let stat = fs::read_to_string(folder.join("stat")).ok()?;
+    let mut fields = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let user: f64 = fields.next()?.parse().ok()?;
+    let system: f64 = fields.next()?.parse().ok()?;
+    let status = fs::read_to_string(folder.join("status")).ok()?;
+    let peak = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let peak: f64 = peak.trim().strip_suffix(" kB")?.trim().parse().ok()?;
+    Some(((user + system) / TICKS, peak / 1024.0))
+}
