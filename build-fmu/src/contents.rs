@@ -17,6 +17,9 @@ const LICENSE_ENTRY: &str = "stickslip is licensed under either of\n\n\
 const LICENSE_SPDX: &str = "SPDXVersion: SPDX-2.3\nDataLicense: CC0-1.0\nPackageName: stickslip\n\
     PackageLicenseDeclared: MIT OR Apache-2.0\n";
 
+/// What the library is made of, in CycloneDX; `tests/dependencies` keeps it that of Cargo.lock.
+const BILL_OF_MATERIALS: &str = include_str!("../assets/sbom.cdx.json");
+
 /// Why an FMU's content could not be put together.
 #[derive(Debug, Error)]
 pub enum ContentsError {
@@ -49,6 +52,7 @@ pub fn contents(
         "documentation/index.html",
         documentation::page(facts, model),
     )?;
+    archive.add("documentation/sbom.cdx.json", BILL_OF_MATERIALS)?;
     let binary = format!(
         "binaries/{}/{}.{}",
         library.platform.folder(version),
