@@ -182,11 +182,11 @@ impl Expectation {
     }
 
     /// The row behind a value reference, of the asked type.
-    fn row<'a>(
-        table: &'a VariableTable,
+    fn row(
+        table: &VariableTable,
         reference: u32,
         asked: VariableType,
-    ) -> Result<&'a Variable, Status> {
+    ) -> Result<&Variable, Status> {
         let row = table
             .variables()
             .iter()

@@ -16,11 +16,14 @@ use crate::random::Random;
 /// Files by their name below a directory.
 type Files = BTreeMap<PathBuf, Vec<u8>>;
 
+/// Makes the command that writes into the directory it is given.
+type MakesCommand = dyn Fn(&Path) -> Result<Command>;
+
 /// A program and what it works on.
 struct Job {
     name: &'static str,
     /// Makes the command that writes into a directory.
-    command: Box<dyn Fn(&Path) -> Result<Command>>,
+    command: Box<MakesCommand>,
     /// Whether a run goes on where the one before was killed.
     resumes: bool,
     /// Share of all kills.
