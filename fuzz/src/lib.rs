@@ -16,7 +16,10 @@ use workbench::files::record::{Missing, Record};
 const REDUCED_RIG: &str = include_str!("../../modelDescription/reduced-rig.toml");
 
 /// A fuzz target: its name, which is that of its folder in the corpus, and what it does.
-pub const TARGETS: [(&str, fn(&[u8])); 5] = [
+pub type Target = (&'static str, fn(&[u8]));
+
+/// All targets.
+pub const TARGETS: [Target; 5] = [
     ("state", state),
     ("model", model),
     ("record", record),
