@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::energy::{GAUSS, net_power, stored_energy, torques};
+use common::energy::{EnergyBalance, GAUSS, torques};
 use common::{LAWS, Uniform};
 use stickslip::integrator::Simulation;
 use stickslip::plant::{Rig, RigInputs, RigState, STATES, index::*};
@@ -84,23 +84,11 @@ fn energy_is_accounted_for_and_numbers_stay_numbers() {
     let mut worst = (0.0, String::new());
     for case in cases() {
         let mut run = run(&case);
-        let voltage = case.inputs.voltage[0];
-        let begin = stored_energy(&case.rig, &case.state);
-        let (mut supplied, mut turned_over) = (0.0, begin);
-        while run.segment_end() < END {
-            let (from, to) = (run.segment_start(), run.segment_end());
-            for (node, weight) in GAUSS {
-                let tau = 0.5 * (to - from) * (1.0 + node);
-                let x = run.state_at(from + tau);
-                assert!(x.iter().all(|x| x.is_finite()), "{}: {x:?}", case.name);
-                let share = 0.5 * (to - from) * weight;
-                supplied += share * net_power(&case.rig, voltage, &x, torques(&run, tau));
-                turned_over += share * (voltage * x[CURRENT]).abs();
-            }
-            run.next_segment().unwrap();
-        }
-        let stored = stored_energy(&case.rig, &run.state_at(run.segment_start()));
-        let error = (supplied - (stored - begin)).abs() / turned_over;
+        let mut balance = EnergyBalance::new(&run);
+        balance.advance(&mut run, END);
+        let end = run.state_at(run.segment_start());
+        assert!(end.iter().all(|x| x.is_finite()), "{}: {end:?}", case.name);
+        let error = balance.error(&run);
         if error > worst.0 {
             worst = (error, case.name);
         }
