@@ -125,7 +125,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
                     return Ok(false);
                 }
             }
-            return Ok(true);
+            Ok(true)
         }
         Command::Threads { instances, threads } => {
             report(endurance::threads(&library, *instances, *threads), start)
