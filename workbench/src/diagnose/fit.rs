@@ -156,6 +156,8 @@ fn best_disturbance(
     best.1
 }
 
+/// How often a fit looks at the starts of another.
+const SHARED_STEPS: usize = 2;
 /// Loss that a window may gain in a step before other starts are tried for it.
 const SUSPECT: f64 = 6.0;
 
@@ -371,6 +373,44 @@ impl Fit {
             loss,
             ..*self
         }
+    }
+
+    /// Starts windows that `other` fits better from where it starts them, as far as that is better here too: two fits are
+    /// compared by their models, not by which of them has found a window's start.
+    pub fn share_starts(&mut self, data: &Data, other: &Self) {
+        let mut forms = self.reduced(data);
+        let before = other.reduced(data);
+        for _ in 0..SHARED_STEPS {
+            let moved: Vec<RigState<f64>> = forms
+                .iter()
+                .zip(&before)
+                .zip(self.starts.iter().zip(&other.starts))
+                .zip(&data.windows)
+                .map(|(((form, before), (own, others)), window)| {
+                    let worse = window_loss(form, self.judging)
+                        > window_loss(before, self.judging) + SUSPECT;
+                    match form {
+                        Some(form) if worse && own == others => window.moved(
+                            own,
+                            &form.start_change(&DVector::zeros(form.gradient.len())),
+                        ),
+                        _ => *others,
+                    }
+                })
+                .collect();
+            rescue(
+                data,
+                &self.hypothesis,
+                &self.disturbance,
+                self.judging,
+                &before,
+                &moved,
+                &mut self.starts,
+                &mut self.grams,
+                &mut forms,
+            );
+        }
+        self.loss = total_loss(&forms, &self.hypothesis, self.judging);
     }
 
     /// The same fit with a bounded loss after its own windows, by which starts that go out from it are compared.

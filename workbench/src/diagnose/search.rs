@@ -116,50 +116,26 @@ pub fn try_all(
     let part = data.part(&kept);
     let base_part = base.part(&part, &kept).judged_by_itself(&part);
     let explored = explore(&part, &base_part, without, wrong, progress);
-    let part_folds = folds(&part);
-    let base_part_losses = base_part.held_out_losses(&part, &part_folds);
-    let data_folds = folds(data);
-    let base_losses = base.held_out_losses(data, &data_folds);
     let best = explored
         .iter()
         .map(|(_, fit)| fit.loss)
         .fold(base_part.loss, f64::min);
-    let mut tried = Vec::new();
+    let (mut whole, mut on_part) = (Vec::new(), Vec::new());
     for (rank, (entry, found)) in explored.into_iter().enumerate() {
         let gains = found.loss < base_part.loss - LEAST_PROMISE;
-        let is_finalist = gains && (rank < FINALISTS || found.loss < best + HOPELESS);
-        if is_finalist {
+        if gains && (rank < FINALISTS || found.loss < best + HOPELESS) {
             progress(entry.name);
             let look = first_look(data, found.hypothesis, base, wrong);
             let fitted = fit(data, look.hypothesis, look.starts, 25, base.judging);
-            let fitted = with_nominal_anew(data, fitted);
-            let (gain, interval95) = gain(
-                data,
-                &base_losses,
-                &fitted.held_out_losses(data, &data_folds),
-            );
-            tried.push(Tried {
-                name: entry.name,
-                fit: fitted,
-                gain,
-                interval95,
-                is_finalist,
-            });
+            whole.push((entry, with_nominal_anew(data, fitted)));
         } else {
-            let (gain, interval) = gain(
-                &part,
-                &base_part_losses,
-                &found.held_out_losses(&part, &part_folds),
-            );
-            let scale = thinning as f64;
-            tried.push(Tried {
-                name: entry.name,
-                fit: found,
-                gain: gain * scale,
-                interval95: interval.map(|bound| bound * scale),
-                is_finalist,
-            });
+            on_part.push((entry, found));
         }
+    }
+    let mut tried = compared(data, base.clone(), whole, 1.0);
+    for mut projected in compared(&part, base_part, on_part, thinning as f64) {
+        projected.is_finalist = false;
+        tried.push(projected);
     }
     tried.sort_by(|a, b| {
         (b.is_finalist, b.gain)
@@ -167,6 +143,32 @@ pub fn try_all(
             .unwrap_or(Ordering::Equal)
     });
     tried
+}
+
+/// The gain of each fit over `base` on the windows of `data`, times `scale`; every window starts for each of them where
+/// one of them has found the best start.
+fn compared(data: &Data, base: Fit, fits: Vec<(&'static Entry, Fit)>, scale: f64) -> Vec<Tried> {
+    let mut base = base;
+    let mut fits = fits;
+    for (_, fitted) in &mut fits {
+        fitted.share_starts(data, &base);
+        base.share_starts(data, fitted);
+    }
+    let folds = folds(data);
+    let base_losses = base.held_out_losses(data, &folds);
+    fits.into_iter()
+        .map(|(entry, fitted)| {
+            let (gain, interval95) =
+                gain(data, &base_losses, &fitted.held_out_losses(data, &folds));
+            Tried {
+                name: entry.name,
+                fit: fitted,
+                gain: scale * gain,
+                interval95: interval95.map(|bound| scale * bound),
+                is_finalist: true,
+            }
+        })
+        .collect()
 }
 
 /// What is known while starts are followed up on a part of the windows.
