@@ -466,7 +466,7 @@ mod tests {
             content: b"no library".to_vec(),
         };
         let error = check(&library, FmiVersion::Fmi2, &expectation()).unwrap_err();
-        assert!(matches!(error, BinaryError::Load { .. }), "{error}");
+        assert!(matches!(error, BinaryError::Header { .. }), "{error}");
         assert!(error.to_string().contains("notes.txt"), "{error}");
     }
 
