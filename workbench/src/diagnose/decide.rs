@@ -148,12 +148,28 @@ pub fn diagnose(
         &mut rivals,
     );
     progress(Progress::Locating);
-    let structure_left = if names.is_empty() {
+    let mut structure_left = if names.is_empty() {
         structure.clone()
     } else {
         structures(data, &current)
     };
-    let left = has_structure(data, &current, &structure_left);
+    let mut left = has_structure(data, &current, &structure_left);
+    // Of effects that the gains cannot tell apart, one that leaves nothing is better than one that leaves structure.
+    if left && names.len() == 1 {
+        let stand_in = rivals[0].iter().find_map(|&name| {
+            let fitted = &ranking.as_ref()?.iter().find(|t| t.name == name)?.fit;
+            let structure = structures(data, fitted);
+            (!has_structure(data, fitted, &structure)).then(|| (name, fitted.clone(), structure))
+        });
+        if let Some((name, fitted, structure)) = stand_in {
+            rivals[0].retain(|rival| *rival != name);
+            rivals[0].push(names[0]);
+            names[0] = name;
+            current = fitted;
+            structure_left = structure;
+            left = false;
+        }
+    }
     let alternatives = rivals.first().cloned().unwrap_or_default();
     let verdict = if left {
         Verdict::NotInCatalogue
