@@ -4,11 +4,6 @@ mod importer;
 
 use importer::{Component, FULL_RIG, Fmi2, Fmi3, Instance, REDUCED_RIG, Version};
 use stickslip::ffi::Status;
-use stickslip::ffi::fmi2::{
-    fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2GetRealOutputDerivatives,
-    fmi2Reset, fmi2SetRealInputDerivatives, fmi2SetupExperiment,
-};
-use stickslip::ffi::fmi3::{fmi3EnterEventMode, fmi3EnterStepMode};
 use stickslip::integrator::{Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES, index};
 
@@ -132,10 +127,7 @@ fn saving_in_the_middle_of_setting_keeps_what_was_set() {
 fn a_ramp_by_derivatives_agrees_with_many_small_steps_of_it() {
     let component = Component::new(REDUCED_RIG);
     let mut ramp = component.start(Fmi2, &[("u", 1.0), ("N2", 5.0)]);
-    let u = ramp.reference("u");
-    // SAFETY: one variable, one order, one value.
-    let status = unsafe { fmi2SetRealInputDerivatives(ramp.handle, &u, 1, &1, &2.0) };
-    assert_eq!(status, Status::Ok);
+    assert_eq!(ramp.set_input_derivative("u", 1, 2.0), Status::Ok);
     ramp.step(1.0);
     assert!((ramp.get("u") - 3.0).abs() < 1e-12);
 
@@ -155,24 +147,17 @@ fn a_ramp_by_derivatives_agrees_with_many_small_steps_of_it() {
 #[test]
 fn output_derivatives_are_those_of_the_motion() {
     let component = Component::new(REDUCED_RIG);
-    let mut instance = component.start(Fmi2, &CASE);
-    instance.run(0.01, 8.0);
-    let derivative = |name: &str, order: i32| {
-        let reference = instance.reference(name);
-        let mut value = f64::NAN;
-        // SAFETY: one variable, one order, one value.
-        let status = unsafe {
-            fmi2GetRealOutputDerivatives(instance.handle, &reference, 1, &order, &mut value)
-        };
-        assert_eq!(status, Status::Ok);
-        value
-    };
-    assert!((derivative("theta", 1) - instance.get("theta_dot")).abs() < 1e-9);
-    assert!((derivative("theta", 2) - derivative("theta_dot", 1)).abs() < 1e-7);
-    let twist = instance.get("theta") - instance.get("theta3");
-    let twist_rate = instance.get("theta_dot") - instance.get("theta3_dot");
-    let torque = -0.0022 * twist_rate - 0.3482 * twist - instance.get("T_f");
-    assert!((derivative("theta_dot", 1) - torque / 0.0149).abs() < 1e-8);
+    for version in [Fmi2, Fmi3] {
+        let mut instance = component.start(version, &CASE);
+        instance.run(0.01, 8.0);
+        let derivative = |name: &str, order: i32| instance.output_derivative(name, order);
+        assert!((derivative("theta", 1) - instance.get("theta_dot")).abs() < 1e-9);
+        assert!((derivative("theta", 2) - derivative("theta_dot", 1)).abs() < 1e-7);
+        let twist = instance.get("theta") - instance.get("theta3");
+        let twist_rate = instance.get("theta_dot") - instance.get("theta3_dot");
+        let torque = -0.0022 * twist_rate - 0.3482 * twist - instance.get("T_f");
+        assert!((derivative("theta_dot", 1) - torque / 0.0149).abs() < 1e-8);
+    }
 }
 
 #[test]
@@ -238,27 +223,23 @@ fn event_mode_stops_at_every_switch_and_changes_no_number() {
     plain.run(0.1, 10.0);
     let mut events = component.instantiate_with(Fmi3, true, true);
     events.initialize(0.0, &CASE);
-    // SAFETY: no pointers but the handle.
-    unsafe { assert_eq!(fmi3EnterStepMode(events.handle), Status::Ok) };
+    assert_eq!(events.enter_step_mode(), Status::Ok);
     let (mut next, mut switches, mut stuck) = (1, 0, events.is("stuck"));
     while next <= 100 {
         let result = events.try_step(f64::from(next) * 0.1 - events.time);
         assert_eq!((result.status, result.early), (Status::Ok, result.event));
-        // SAFETY: no pointers but the handle.
-        unsafe {
-            assert_eq!(fmi3EnterEventMode(events.handle), Status::Ok);
-            let now = events.is("stuck");
-            if now != stuck {
-                assert!(
-                    result.event,
-                    "the disc switched unseen before t = {}",
-                    events.time
-                );
-                switches += 1;
-                stuck = now;
-            }
-            assert_eq!(fmi3EnterStepMode(events.handle), Status::Ok);
+        assert_eq!(events.enter_event_mode(), Status::Ok);
+        let now = events.is("stuck");
+        if now != stuck {
+            assert!(
+                result.event,
+                "the disc switched unseen before t = {}",
+                events.time
+            );
+            switches += 1;
+            stuck = now;
         }
+        assert_eq!(events.enter_step_mode(), Status::Ok);
         if !result.early {
             next += 1;
         }
@@ -285,28 +266,12 @@ fn tunable_parameters_act_from_the_next_step_on() {
 }
 
 #[test]
-fn parameters_that_contradict_each_other_are_refused_at_the_end_of_the_initialisation() {
-    let component = Component::new(REDUCED_RIG);
-    let instance = component.instantiate(Fmi2);
-    instance.set("contact.mu_c", 0.5);
-    // SAFETY: no pointers but the handle.
-    unsafe {
-        assert_eq!(fmi2EnterInitializationMode(instance.handle), Status::Ok);
-        assert_eq!(fmi2ExitInitializationMode(instance.handle), Status::Error);
-        assert_eq!(fmi2Reset(instance.handle), Status::Ok);
-    }
-    let consistent = [("contact.mu_c", 0.5), ("contact.mu_s", 0.6)];
-    assert_eq!(component.start(Fmi3, &consistent).get("contact.mu_s"), 0.6);
-}
-
-#[test]
 fn reset_forgets_everything() {
     let component = Component::new(REDUCED_RIG);
     let mut instance = component.start(Fmi2, &[("u", 9.0), ("N2", 7.0), ("theta", 3.0)]);
     instance.set("contact.mu_c", 0.01);
     instance.run(0.01, 1.0);
-    // SAFETY: no pointers but the handle.
-    unsafe { assert_eq!(fmi2Reset(instance.handle), Status::Ok) };
+    instance.reset();
     instance.initialize(0.0, &CASE);
     let mut fresh = component.start(Fmi2, &CASE);
     instance.run(0.01, 3.0);
@@ -356,25 +321,20 @@ fn an_absurd_input_derivative_ends_in_an_error_and_not_in_an_endless_search() {
     let component = Component::new(REDUCED_RIG);
     let mut instance = component.start(Fmi2, &CASE);
     instance.step(0.1);
-    let reference = instance.reference("u");
-    // SAFETY: one variable, one order, one value.
-    let status = unsafe { fmi2SetRealInputDerivatives(instance.handle, &reference, 1, &1, &1e300) };
-    assert_eq!(status, Status::Ok);
+    assert_eq!(instance.set_input_derivative("u", 1, 1e300), Status::Ok);
     refused_soon(&mut instance, 0.3);
 }
 
 #[test]
 fn an_absurd_tolerance_ends_in_an_error_within_the_budget_of_the_step() {
     let component = Component::new(REDUCED_RIG);
-    let mut instance = component.instantiate(Fmi2);
-    // SAFETY: no pointers but the handle.
-    unsafe {
-        let c = instance.handle;
-        assert_eq!(fmi2SetupExperiment(c, 1, 1e-120, 0.0, 0, 0.0), Status::Ok);
-        assert_eq!(fmi2EnterInitializationMode(c), Status::Ok);
+    for version in [Fmi2, Fmi3] {
+        let mut instance = component.instantiate(version);
+        let entered = instance.enter_initialization(Some(1e-120), 0.0, None);
+        assert_eq!(entered, Status::Ok);
         CASE.iter()
             .for_each(|(name, value)| instance.set(name, *value));
-        assert_eq!(fmi2ExitInitializationMode(c), Status::Ok);
+        assert_eq!(instance.exit_initialization(), Status::Ok);
+        refused_soon(&mut instance, 1.0);
     }
-    refused_soon(&mut instance, 1.0);
 }

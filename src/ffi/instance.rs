@@ -145,18 +145,18 @@ impl Instance {
     #[inline]
     pub(super) fn do_step(&mut self, point: f64, size: f64) -> Result<StepEnd, Refusal> {
         self.last_step = Status::Discard;
-        let until = point + size;
-        if !(size > 0.0 && until.is_finite()) {
-            return Err(Refusal::discard(format_args!(
-                "communicationStepSize = {size} s from {point} s: the step must be finite and above 0"
-            )));
-        }
         let distance = (point - self.time).abs();
         if distance.is_nan() || distance > time_tolerance(self.time) {
             return Err(Refusal::discard(format_args!(
                 "currentCommunicationPoint = {point} s is not where the last step ended, {} s (within {:.1e} s)",
                 self.time,
                 time_tolerance(self.time)
+            )));
+        }
+        let until = point + size;
+        if !(size > 0.0 && until.is_finite()) {
+            return Err(Refusal::discard(format_args!(
+                "communicationStepSize = {size} s from {point} s: the step must be finite and above 0"
             )));
         }
         if let Some(stop) = self.stop_time

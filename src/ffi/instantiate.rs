@@ -61,13 +61,13 @@ pub(super) fn instantiate(
 fn model(request: &Request<'_>) -> Result<Box<dyn CoSimulationModel>, String> {
     let name = request
         .instance_name
-        .ok_or("argument 'instanceName' is NULL")?;
+        .ok_or("argument 'instanceName' is NULL; it needs at least one character")?;
     if name.to_bytes().trim_ascii().is_empty() {
         return Err("argument 'instanceName' is empty; it needs at least one character".into());
     }
     let token = request
         .token
-        .ok_or("the instantiation token (GUID) is NULL")?;
+        .ok_or("the instantiation token (GUID) is NULL; expected that of modelDescription.xml")?;
     let location = request.resources.ok_or_else(|| {
         format!("the resource location is NULL; the component reads {MODEL_FILE} from there")
     })?;
@@ -88,7 +88,12 @@ fn model(request: &Request<'_>) -> Result<Box<dyn CoSimulationModel>, String> {
 }
 
 fn read(file: &Path) -> Result<String, String> {
-    let fail = |error: std::io::Error| format!("cannot read {}: {error}", file.display());
+    let fail = |error: std::io::Error| {
+        format!(
+            "cannot read {}: {error}; it is a text file among the resources of the unpacked FMU",
+            file.display()
+        )
+    };
     let mut text = String::new();
     File::open(file)
         .map_err(fail)?

@@ -98,13 +98,16 @@ pub(super) unsafe fn texts<'a>(
     argument: &str,
 ) -> Result<Vec<&'a CStr>, Refusal> {
     // SAFETY: the caller's promise about the pointers.
-    unsafe {
-        input(pointer, count, argument)?
-            .iter()
-            .map(|entry| text(*entry))
-    }
-    .collect::<Option<Vec<_>>>()
-    .ok_or_else(|| Refusal::error(format_args!("an entry of '{argument}' is NULL")))
+    let entries = unsafe { input(pointer, count, argument)? };
+    let entry = |(place, pointer): (usize, &*const c_char)| {
+        // SAFETY: the caller's promise about the pointers.
+        unsafe { text(*pointer) }.ok_or_else(|| {
+            Refusal::error(format_args!(
+                "entry {place} of '{argument}' is NULL; expected a text"
+            ))
+        })
+    };
+    entries.iter().enumerate().map(entry).collect()
 }
 
 /// Array lengths that must agree.

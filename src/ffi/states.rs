@@ -69,7 +69,9 @@ impl Instance {
         if handle.is_null() {
             return self.keep(saved);
         }
-        STATES.with(handle, |state| *state = saved).map_err(dead)?;
+        STATES
+            .with(handle, |state| *state = saved)
+            .map_err(|error| unusable(handle, error))?;
         Ok(handle)
     }
 
@@ -89,7 +91,7 @@ impl Instance {
     pub(super) fn set_state(&mut self, handle: *mut c_void) -> Outcome {
         STATES
             .with(handle, |state| self.restore(state))
-            .map_err(dead)?
+            .map_err(|error| unusable(handle, error))?
             .map_err(Refusal::error)
     }
 
@@ -119,7 +121,7 @@ impl Instance {
     pub(super) fn serialized_size(&self, handle: *mut c_void) -> Result<usize, Refusal> {
         STATES
             .with(handle, |state| sealed_size(state.content.len()))
-            .map_err(dead)
+            .map_err(|error| unusable(handle, error))
     }
 
     /// Writes a saved state as bytes into an array of `size`.
@@ -131,7 +133,7 @@ impl Instance {
     ) -> Outcome {
         let sealed = STATES
             .with(handle, |s| seal(s.token, &s.content))
-            .map_err(dead)?;
+            .map_err(|error| unusable(handle, error))?;
         if size < sealed.len() {
             return Err(Refusal::error(format_args!(
                 "size = {size} is too small for the serialised state of {} bytes",
@@ -161,11 +163,13 @@ impl Drop for Instance {
     }
 }
 
-fn dead(error: HandleError) -> Refusal {
-    match error {
-        HandleError::Dead => Refusal::error(
-            "the state is not a live one: it was freed, or never came from this library",
-        ),
-        HandleError::Busy => Refusal::error("the state is in use by another call"),
-    }
+fn unusable(handle: *mut c_void, error: HandleError) -> Refusal {
+    let reason = match error {
+        HandleError::Dead if handle.is_null() => "is NULL",
+        HandleError::Dead => "is not a live one: it was freed, or never came from this library",
+        HandleError::Busy => "is in use by another call",
+    };
+    Refusal::error(format_args!(
+        "the state {handle:?} {reason}; expected one that GetFMUState or DeserializeFMUState gave and nobody freed"
+    ))
 }

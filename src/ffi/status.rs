@@ -100,11 +100,7 @@ impl Phases {
             .filter(|phase| self.contains(*phase))
             .map(|phase| phase.name(interface))
             .collect();
-        if names.is_empty() {
-            "no state".into()
-        } else {
-            names.join(", ")
-        }
+        names.join(", ")
     }
 }
 

@@ -2,12 +2,18 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
 
+mod derivatives;
+mod log;
+mod states;
+
 use std::ffi::{CString, c_void};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::{fs, ptr};
 use stickslip::cosim::{VariableTable, open};
 use stickslip::ffi::{Status, fmi2, fmi3};
+
+pub use log::Log;
 
 pub const REDUCED_RIG: &str = include_str!("../../modelDescription/reduced-rig.toml");
 pub const FULL_RIG: &str = include_str!("../../modelDescription/full-rig.toml");
@@ -20,11 +26,63 @@ pub enum Version {
 }
 pub use Version::{Fmi2, Fmi3};
 
+/// What an importer passes to an instantiation; `None` becomes NULL.
+#[derive(Clone)]
+pub struct Request {
+    pub name: Option<CString>,
+    pub token: Option<CString>,
+    pub resources: Option<CString>,
+    pub logging: bool,
+    pub event_mode: bool,
+    pub early_return: bool,
+}
+
+impl Request {
+    /// The handle, NULL where there is none, and what was logged.
+    pub fn send(&self, version: Version) -> (*mut c_void, Box<Log>) {
+        let log = Box::<Log>::default();
+        let pointer = |text: &Option<CString>| text.as_ref().map_or(ptr::null(), |t| t.as_ptr());
+        let (name, token) = (pointer(&self.name), pointer(&self.token));
+        let resources = pointer(&self.resources);
+        let logging = self.logging;
+        // SAFETY: all pointers are NULL or valid for the call, the log for the life of the instance.
+        let handle = unsafe {
+            match version {
+                Fmi2 => {
+                    let functions = fmi2::CallbackFunctions {
+                        logger: Some(log::logger_2()),
+                        allocate_memory: None,
+                        free_memory: None,
+                        step_finished: None,
+                        component_environment: log.environment(),
+                    };
+                    fmi2::fmi2Instantiate(name, 1, token, resources, &functions, 0, logging.into())
+                }
+                Fmi3 => fmi3::fmi3InstantiateCoSimulation(
+                    name,
+                    token,
+                    resources,
+                    0,
+                    logging.into(),
+                    self.event_mode.into(),
+                    self.early_return.into(),
+                    ptr::null(),
+                    0,
+                    log.environment(),
+                    Some(log::logger_3()),
+                    None,
+                ),
+            }
+        };
+        (handle, log)
+    }
+}
+
 /// A component in a folder of its own, and what its XML would say.
 pub struct Component {
-    folder: PathBuf,
-    token: CString,
-    table: VariableTable,
+    pub folder: PathBuf,
+    pub token: CString,
+    pub table: VariableTable,
 }
 
 impl Component {
@@ -44,52 +102,41 @@ impl Component {
         }
     }
 
+    /// What a plain importer passes for this component.
+    pub fn request(&self, version: Version) -> Request {
+        let folder = self.folder.to_str().unwrap();
+        let location = match version {
+            Fmi2 => format!("file://{folder}"),
+            Fmi3 => folder.to_owned(),
+        };
+        Request {
+            name: Some(c"rig".to_owned()),
+            token: Some(self.token.clone()),
+            resources: Some(CString::new(location).unwrap()),
+            logging: true,
+            event_mode: false,
+            early_return: false,
+        }
+    }
+
     pub fn instantiate(&self, version: Version) -> Instance<'_> {
         self.instantiate_with(version, false, false)
     }
 
     pub fn instantiate_with(&self, version: Version, events: bool, early: bool) -> Instance<'_> {
-        let folder = self.folder.to_str().unwrap();
-        let (name, token) = (c"rig".as_ptr(), self.token.as_ptr());
-        // SAFETY: all pointers are valid for the call.
-        let handle = unsafe {
-            match version {
-                Fmi2 => {
-                    let functions = fmi2::CallbackFunctions {
-                        logger: None,
-                        allocate_memory: None,
-                        free_memory: None,
-                        step_finished: None,
-                        component_environment: ptr::null_mut(),
-                    };
-                    let uri = CString::new(format!("file://{folder}")).unwrap();
-                    fmi2::fmi2Instantiate(name, 1, token, uri.as_ptr(), &functions, 0, 0)
-                }
-                Fmi3 => {
-                    let folder = CString::new(folder).unwrap();
-                    fmi3::fmi3InstantiateCoSimulation(
-                        name,
-                        token,
-                        folder.as_ptr(),
-                        0,
-                        0,
-                        events.into(),
-                        early.into(),
-                        ptr::null(),
-                        0,
-                        ptr::null_mut(),
-                        None,
-                        None,
-                    )
-                }
-            }
+        let request = Request {
+            event_mode: events,
+            early_return: early,
+            ..self.request(version)
         };
-        assert!(!handle.is_null());
+        let (handle, log) = request.send(version);
+        assert!(!handle.is_null(), "{:?}", log.take());
         Instance {
             component: self,
             version,
             handle,
             time: 0.0,
+            log,
         }
     }
 
@@ -110,9 +157,10 @@ impl Drop for Component {
 /// A live instance.
 pub struct Instance<'a> {
     component: &'a Component,
-    version: Version,
+    pub version: Version,
     pub handle: *mut c_void,
     pub time: f64,
+    pub log: Box<Log>,
 }
 
 /// What a step of FMI 3 says.
@@ -121,36 +169,103 @@ pub struct StepResult {
     pub status: Status,
     pub event: bool,
     pub early: bool,
+    /// Time that was reached [s]; FMI 2 does not say.
+    pub reached: f64,
 }
 
 impl Instance<'_> {
-    pub fn initialize(&mut self, time: f64, values: &[(&str, f64)]) {
-        self.time = time;
+    /// Into initialization mode, with tolerance and stop time [s] where there are any.
+    pub fn enter_initialization(
+        &self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Status {
+        let (tolerance_defined, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
+        let (stop_defined, stop) = (stop.is_some(), stop.unwrap_or(0.0));
         // SAFETY: no pointers but the handle.
         unsafe {
             let c = self.handle;
             match self.version {
                 Fmi2 => {
-                    assert_eq!(
-                        fmi2::fmi2SetupExperiment(c, 0, 0.0, time, 0, 0.0),
-                        Status::Ok
-                    );
-                    assert_eq!(fmi2::fmi2EnterInitializationMode(c), Status::Ok);
+                    let (tolerance_defined, stop_defined) =
+                        (tolerance_defined.into(), stop_defined.into());
+                    match fmi2::fmi2SetupExperiment(
+                        c,
+                        tolerance_defined,
+                        tolerance,
+                        start,
+                        stop_defined,
+                        stop,
+                    ) {
+                        Status::Ok => fmi2::fmi2EnterInitializationMode(c),
+                        refused => refused,
+                    }
                 }
-                Fmi3 => assert_eq!(
-                    fmi3::fmi3EnterInitializationMode(c, 0, 0.0, time, 0, 0.0),
-                    Status::Ok
+                Fmi3 => fmi3::fmi3EnterInitializationMode(
+                    c,
+                    tolerance_defined.into(),
+                    tolerance,
+                    start,
+                    stop_defined.into(),
+                    stop,
                 ),
             }
-            for (name, value) in values {
-                self.set(name, *value);
-            }
-            let status = match self.version {
-                Fmi2 => fmi2::fmi2ExitInitializationMode(c),
-                Fmi3 => fmi3::fmi3ExitInitializationMode(c),
-            };
-            assert_eq!(status, Status::Ok);
         }
+    }
+
+    pub fn exit_initialization(&self) -> Status {
+        // SAFETY: no pointers but the handle.
+        unsafe {
+            match self.version {
+                Fmi2 => fmi2::fmi2ExitInitializationMode(self.handle),
+                Fmi3 => fmi3::fmi3ExitInitializationMode(self.handle),
+            }
+        }
+    }
+
+    #[track_caller]
+    pub fn initialize(&mut self, time: f64, values: &[(&str, f64)]) {
+        self.time = time;
+        assert_eq!(self.enter_initialization(None, time, None), Status::Ok);
+        for (name, value) in values {
+            self.set(name, *value);
+        }
+        assert_eq!(self.exit_initialization(), Status::Ok);
+    }
+
+    #[track_caller]
+    pub fn reset(&mut self) {
+        // SAFETY: no pointers but the handle.
+        let status = unsafe {
+            match self.version {
+                Fmi2 => fmi2::fmi2Reset(self.handle),
+                Fmi3 => fmi3::fmi3Reset(self.handle),
+            }
+        };
+        assert_eq!(status, Status::Ok);
+    }
+
+    pub fn terminate(&self) -> Status {
+        // SAFETY: no pointers but the handle.
+        unsafe {
+            match self.version {
+                Fmi2 => fmi2::fmi2Terminate(self.handle),
+                Fmi3 => fmi3::fmi3Terminate(self.handle),
+            }
+        }
+    }
+
+    /// Event mode of FMI 3.
+    pub fn enter_event_mode(&self) -> Status {
+        // SAFETY: no pointers but the handle.
+        unsafe { fmi3::fmi3EnterEventMode(self.handle) }
+    }
+
+    /// Step mode of FMI 3.
+    pub fn enter_step_mode(&self) -> Status {
+        // SAFETY: no pointers but the handle.
+        unsafe { fmi3::fmi3EnterStepMode(self.handle) }
     }
 
     pub fn reference(&self, name: &str) -> u32 {
@@ -161,15 +276,20 @@ impl Instance<'_> {
             .value_reference
     }
 
-    pub fn try_set(&self, name: &str, value: f64) -> Status {
-        let reference = self.reference(name);
-        // SAFETY: one variable, one value.
+    /// Sets the real variables with these value references.
+    pub fn set_references(&self, references: &[u32], values: &[f64]) -> Status {
+        let (count, references, values) = (references.len(), references.as_ptr(), values.as_ptr());
+        // SAFETY: as many variables as values.
         unsafe {
             match self.version {
-                Fmi2 => fmi2::fmi2SetReal(self.handle, &reference, 1, &value),
-                Fmi3 => fmi3::fmi3SetFloat64(self.handle, &reference, 1, &value, 1),
+                Fmi2 => fmi2::fmi2SetReal(self.handle, references, count, values),
+                Fmi3 => fmi3::fmi3SetFloat64(self.handle, references, count, values, count),
             }
         }
+    }
+
+    pub fn try_set(&self, name: &str, value: f64) -> Status {
+        self.set_references(&[self.reference(name)], &[value])
     }
 
     #[track_caller]
@@ -177,9 +297,8 @@ impl Instance<'_> {
         assert_eq!(self.try_set(name, value), Status::Ok, "{name} = {value}");
     }
 
-    #[track_caller]
-    pub fn get(&self, name: &str) -> f64 {
-        let reference = self.reference(name);
+    /// Reads the real variable with this value reference.
+    pub fn get_reference(&self, reference: u32) -> Result<f64, Status> {
         let mut value = f64::NAN;
         // SAFETY: one variable, one value.
         let status = unsafe {
@@ -188,14 +307,23 @@ impl Instance<'_> {
                 Fmi3 => fmi3::fmi3GetFloat64(self.handle, &reference, 1, &mut value, 1),
             }
         };
-        assert_eq!(status, Status::Ok, "{name}");
-        value
+        if status == Status::Ok {
+            Ok(value)
+        } else {
+            Err(status)
+        }
     }
 
     #[track_caller]
-    pub fn is(&self, name: &str) -> bool {
-        let reference = self.reference(name);
-        let (mut byte, mut integer) = (9_u8, 9);
+    pub fn get(&self, name: &str) -> f64 {
+        let value = self.get_reference(self.reference(name));
+        assert!(value.is_ok(), "{name}: {value:?}, {:?}", self.log.take());
+        value.unwrap()
+    }
+
+    /// Reads the Boolean variable with this value reference.
+    pub fn get_boolean(&self, reference: u32) -> Result<bool, Status> {
+        let (mut byte, mut integer) = (0_u8, 0);
         // SAFETY: one variable, one value.
         let status = unsafe {
             match self.version {
@@ -203,20 +331,28 @@ impl Instance<'_> {
                 Fmi3 => fmi3::fmi3GetBoolean(self.handle, &reference, 1, &mut byte, 1),
             }
         };
-        assert_eq!(status, Status::Ok, "{name}");
-        byte == 1 || integer == 1
+        if status == Status::Ok {
+            Ok(byte == 1 || integer == 1)
+        } else {
+            Err(status)
+        }
     }
 
-    /// One step of `size` seconds from where the last one ended.
-    pub fn try_step(&mut self, size: f64) -> StepResult {
-        let (mut event, mut terminate, mut early, mut reached) = (0, 0, 0, self.time + size);
+    #[track_caller]
+    pub fn is(&self, name: &str) -> bool {
+        self.get_boolean(self.reference(name)).unwrap()
+    }
+
+    /// One step of `size` seconds from `point`, which may be anything; the clock of the importer stays.
+    pub fn step_from(&self, point: f64, size: f64) -> StepResult {
+        let (mut event, mut terminate, mut early, mut reached) = (0, 0, 0, point + size);
         // SAFETY: places of the results.
         let status = unsafe {
             match self.version {
-                Fmi2 => fmi2::fmi2DoStep(self.handle, self.time, size, 1),
+                Fmi2 => fmi2::fmi2DoStep(self.handle, point, size, 1),
                 Fmi3 => fmi3::fmi3DoStep(
                     self.handle,
-                    self.time,
+                    point,
                     size,
                     1,
                     &mut event,
@@ -226,19 +362,27 @@ impl Instance<'_> {
                 ),
             }
         };
-        if status == Status::Ok {
-            self.time = reached;
-        }
         StepResult {
             status,
             event: event == 1,
             early: early == 1,
+            reached,
         }
+    }
+
+    /// One step of `size` seconds from where the last one ended.
+    pub fn try_step(&mut self, size: f64) -> StepResult {
+        let result = self.step_from(self.time, size);
+        if result.status == Status::Ok {
+            self.time = result.reached;
+        }
+        result
     }
 
     #[track_caller]
     pub fn step(&mut self, size: f64) {
-        assert_eq!(self.try_step(size).status, Status::Ok);
+        let status = self.try_step(size).status;
+        assert_eq!(status, Status::Ok, "{:?}", self.log.take());
     }
 
     /// Steps of `size` up to `end`; the last one is as long as it must be.
@@ -251,110 +395,6 @@ impl Instance<'_> {
             let next = (begin + count * size).min(end);
             self.step(next - self.time);
         }
-    }
-
-    pub fn save(&self) -> *mut c_void {
-        let mut state = ptr::null_mut();
-        // SAFETY: the place of a handle.
-        let status = unsafe {
-            match self.version {
-                Fmi2 => fmi2::fmi2GetFMUstate(self.handle, &mut state),
-                Fmi3 => fmi3::fmi3GetFMUState(self.handle, &mut state),
-            }
-        };
-        assert_eq!(status, Status::Ok);
-        state
-    }
-
-    pub fn restore(&mut self, state: *mut c_void) {
-        // SAFETY: a handle of this library.
-        let status = unsafe {
-            match self.version {
-                Fmi2 => fmi2::fmi2SetFMUstate(self.handle, state),
-                Fmi3 => fmi3::fmi3SetFMUState(self.handle, state),
-            }
-        };
-        assert_eq!(status, Status::Ok);
-        self.time = self.get("time");
-    }
-
-    pub fn serialize(&self, state: *mut c_void) -> Vec<u8> {
-        let mut size = 0;
-        // SAFETY: a handle of this library and places of the results.
-        unsafe {
-            match self.version {
-                Fmi2 => {
-                    let c = self.handle;
-                    assert_eq!(
-                        fmi2::fmi2SerializedFMUstateSize(c, state, &mut size),
-                        Status::Ok
-                    );
-                    let mut bytes = vec![0; size];
-                    let status = fmi2::fmi2SerializeFMUstate(c, state, bytes.as_mut_ptr(), size);
-                    assert_eq!(status, Status::Ok);
-                    bytes
-                }
-                Fmi3 => {
-                    let c = self.handle;
-                    assert_eq!(
-                        fmi3::fmi3SerializedFMUStateSize(c, state, &mut size),
-                        Status::Ok
-                    );
-                    let mut bytes = vec![0; size];
-                    let status = fmi3::fmi3SerializeFMUState(c, state, bytes.as_mut_ptr(), size);
-                    assert_eq!(status, Status::Ok);
-                    bytes
-                }
-            }
-        }
-    }
-
-    pub fn deserialize(&self, bytes: &[u8]) -> *mut c_void {
-        let mut state = ptr::null_mut();
-        // SAFETY: an array and the place of a handle.
-        let status = unsafe {
-            let c = self.handle;
-            match self.version {
-                Fmi2 => fmi2::fmi2DeSerializeFMUstate(c, bytes.as_ptr(), bytes.len(), &mut state),
-                Fmi3 => fmi3::fmi3DeserializeFMUState(c, bytes.as_ptr(), bytes.len(), &mut state),
-            }
-        };
-        assert_eq!(status, Status::Ok);
-        state
-    }
-
-    /// Derivative of `unknown` in the direction of `known`.
-    pub fn derivative(&self, unknown: &str, known: &str) -> f64 {
-        let (unknown, known) = (self.reference(unknown), self.reference(known));
-        let mut sensitivity = f64::NAN;
-        let c = self.handle;
-        // SAFETY: one unknown, one known.
-        let status = unsafe {
-            match self.version {
-                Fmi2 => fmi2::fmi2GetDirectionalDerivative(
-                    c,
-                    &unknown,
-                    1,
-                    &known,
-                    1,
-                    &1.0,
-                    &mut sensitivity,
-                ),
-                Fmi3 => fmi3::fmi3GetDirectionalDerivative(
-                    c,
-                    &unknown,
-                    1,
-                    &known,
-                    1,
-                    &1.0,
-                    1,
-                    &mut sensitivity,
-                    1,
-                ),
-            }
-        };
-        assert_eq!(status, Status::Ok);
-        sensitivity
     }
 }
 

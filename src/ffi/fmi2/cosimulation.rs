@@ -5,15 +5,13 @@ use super::types::{
     Boolean, DO_STEP_STATUS, Integer, LAST_SUCCESSFUL_TIME, PENDING_STATUS, Real, StatusKind,
     TERMINATED, Text, ValueReference,
 };
-use crate::ffi::guard::exports;
+use crate::ffi::guard::{exports, unsupported};
 use crate::ffi::pointers::{input, output, place};
 use crate::ffi::status::{Interface, Outcome, Phase, Phases, Refusal, Status};
 
 const SETTABLE: Phases = Phases::of(&[Phase::Instantiated, Phase::Initialization, Phase::Step]);
 const STEP: Phases = Phases::of(&[Phase::Step]);
 const STEPPED: Phases = Phases::of(&[Phase::Step, Phase::Terminated, Phase::Failed]);
-/// No step is ever in progress when another call can be made.
-const STEP_IN_PROGRESS: Phases = Phases::of(&[]);
 
 /// The standard wants a discard for status information that a component does not have.
 fn no_status(kind: StatusKind, what: &str) -> Outcome {
@@ -26,6 +24,10 @@ fn no_status(kind: StatusKind, what: &str) -> Outcome {
     }))
 }
 
+unsupported! { Interface::Fmi2;
+    fn fmi2CancelStep() because "canRunAsynchronuously is false: a step is over when fmi2DoStep returns, and there is none to cancel";
+}
+
 exports! { Interface::Fmi2;
     fn fmi2SetRealInputDerivatives(|instance| references: *const ValueReference, count: usize, orders: *const Integer, values: *const Real) in SETTABLE =>
         instance.set_input_derivatives(input(references, count, "vr")?, input(orders, count, "order")?, input(values, count, "value")?);
@@ -34,7 +36,6 @@ exports! { Interface::Fmi2;
 
     fn fmi2DoStep(|instance| point: Real, size: Real, _no_set_state_before_point: Boolean) in STEP =>
         instance.do_step(point, size).map(|_| ());
-    fn fmi2CancelStep(|_instance|) in STEP_IN_PROGRESS => Ok(());
 
     fn fmi2GetStatus(|instance| kind: StatusKind, value: *mut Status) in STEPPED => {
         let mut value = place(value, "value")?;

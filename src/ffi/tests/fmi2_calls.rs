@@ -124,8 +124,7 @@ fn everything_unsupported_is_an_error_with_one_message() {
         |c| fmi2GetEventIndicators(c, ptr::null_mut(), 0),
         |c| fmi2GetContinuousStates(c, ptr::null_mut(), 0),
         |c| fmi2GetNominalsOfContinuousStates(c, ptr::null_mut(), 0),
-        // SAFETY: no pointers but the handle.
-        |c| unsafe { fmi2CancelStep(c) },
+        |c| fmi2CancelStep(c),
         // SAFETY: the vector is NULL and its length is not zero.
         |c| unsafe { fmi2GetInteger(c, &X, 1, ptr::null_mut()) },
     ];

@@ -91,7 +91,7 @@ fn steps_that_cannot_be_are_discarded_and_the_next_one_goes_on() {
         (0.0, 0.0, "above 0"),
         (0.0, -0.1, "above 0"),
         (0.0, f64::NAN, "above 0"),
-        (f64::NAN, 0.1, "above 0"),
+        (f64::NAN, 0.1, "not where the last step ended"),
         (0.0, f64::INFINITY, "above 0"),
         (0.2, 0.1, "not where the last step ended"),
         (-0.2, 0.1, "not where the last step ended"),
