@@ -15,8 +15,8 @@ pub const MODEL_FILE: &str = "model.toml";
 /// The text is not a complete and consistent description; the message names file, key and value.
 pub fn open(text: &str, file_name: &str) -> Result<Box<dyn CoSimulationModel>, ModelError> {
     #[cfg(test)]
-    if text == super::test_model::MODEL_TOML {
-        return Ok(Box::new(super::test_model::TestModel::new()));
+    if let Some(model) = super::test_model::open(text) {
+        return Ok(Box::new(model));
     }
     let table_error = |error| ModelError(format!("{file_name}: {error}"));
     if is_controller(text) {

@@ -15,8 +15,14 @@ pub(crate) const Y: u32 = 3;
 pub(crate) const ABOVE: u32 = 4;
 pub(crate) const RATE: u32 = 5;
 pub(crate) const GAIN: u32 = 6;
-/// A step with this gain panics.
+/// With this gain every call on the model panics that is not a reset or the restoring of a state.
 pub(crate) const PANIC_GAIN: f64 = 666.0;
+/// With this gain a reset, the restoring of a state and the end of the model panic.
+pub(crate) const LAST_PANIC_GAIN: f64 = 667.0;
+/// What these panics say.
+pub(crate) const PANIC: &str = "the test asked for a panic";
+/// A resource whose model panics while it is made.
+pub(crate) const PANIC_TOML: &str = "test_model = \"panic\"\n";
 const THRESHOLD: f64 = 0.5;
 
 static IDENTITY: Identity = Identity {
@@ -94,6 +100,12 @@ pub(crate) fn table() -> VariableTable {
     .unwrap()
 }
 
+/// The model that `text` asks for, if it asks for one of these.
+pub(crate) fn open(text: &str) -> Option<TestModel> {
+    assert!(text != PANIC_TOML, "{PANIC}");
+    (text == MODEL_TOML).then(TestModel::new)
+}
+
 pub(crate) struct TestModel {
     table: Arc<VariableTable>,
     time: f64,
@@ -106,7 +118,7 @@ pub(crate) struct TestModel {
 }
 
 impl TestModel {
-    pub(crate) fn new() -> Self {
+    fn new() -> Self {
         Self {
             table: Arc::new(table()),
             time: 0.0,
@@ -117,6 +129,14 @@ impl TestModel {
             gain: 2.0,
             notices: Vec::new(),
         }
+    }
+
+    fn may_panic(&self) {
+        assert!(self.gain != PANIC_GAIN, "{PANIC}");
+    }
+
+    fn may_panic_at_last(&self) {
+        assert!(self.gain != LAST_PANIC_GAIN, "{PANIC}");
     }
 
     /// x a time `h` later.
@@ -141,12 +161,15 @@ impl CoSimulationModel for TestModel {
         self.time
     }
     fn set_up(&mut self, start_time: f64, _tolerance: Option<f64>) {
+        self.may_panic();
         self.time = start_time;
     }
     fn initialise(&mut self) -> Result<(), ModelError> {
+        self.may_panic();
         Ok(())
     }
     fn real(&mut self, value_reference: u32) -> Result<f64, ModelError> {
+        self.may_panic();
         Ok(match value_reference {
             TIME => self.time,
             U => self.input,
@@ -158,9 +181,11 @@ impl CoSimulationModel for TestModel {
         })
     }
     fn boolean(&mut self, _value_reference: u32) -> Result<bool, ModelError> {
+        self.may_panic();
         Ok(self.x > THRESHOLD)
     }
     fn set_real(&mut self, value_reference: u32, value: f64) -> Result<(), ModelError> {
+        self.may_panic();
         match value_reference {
             U => (self.input, self.input_slope) = (value, 0.0),
             X => self.x = value,
@@ -176,12 +201,14 @@ impl CoSimulationModel for TestModel {
         order: u32,
         value: f64,
     ) -> Result<(), ModelError> {
+        self.may_panic();
         if order == 1 {
             self.input_slope = value;
         }
         Ok(())
     }
     fn output_derivative(&mut self, value_reference: u32, order: u32) -> Result<f64, ModelError> {
+        self.may_panic();
         let slope = self.input - self.rate * self.x;
         Ok(match (value_reference, order) {
             (X, 1) => slope,
@@ -191,6 +218,7 @@ impl CoSimulationModel for TestModel {
         })
     }
     fn partial_derivative(&mut self, unknown: u32, known: u32) -> Result<f64, ModelError> {
+        self.may_panic();
         Ok(match (unknown, known) {
             (Y, U) => self.gain,
             (Y, GAIN) => self.input,
@@ -198,7 +226,7 @@ impl CoSimulationModel for TestModel {
         })
     }
     fn step(&mut self, until: f64, stop_at_switch: bool) -> Result<StepEnd, ModelError> {
-        assert!(self.gain != PANIC_GAIN, "the test asked for a panic");
+        self.may_panic();
         let mut until = until;
         let switched = (self.x > THRESHOLD) != (self.later(until - self.time) > THRESHOLD);
         if switched && stop_at_switch {
@@ -226,6 +254,7 @@ impl CoSimulationModel for TestModel {
         self.notices.drain(..).for_each(|notice| tell(&notice));
     }
     fn save(&self, state: &mut StateWriter) {
+        self.may_panic();
         for value in [
             self.time,
             self.x,
@@ -238,6 +267,7 @@ impl CoSimulationModel for TestModel {
         }
     }
     fn restore(&mut self, state: &mut StateReader<'_>) -> Result<(), StateError> {
+        self.may_panic_at_last();
         let mut values = [0.0; 6];
         for value in &mut values {
             *value = state.real()?;
@@ -253,6 +283,15 @@ impl CoSimulationModel for TestModel {
         Ok(())
     }
     fn reset(&mut self) {
-        *self = Self::new();
+        self.may_panic_at_last();
+        (self.time, self.x, self.input, self.input_slope) = (0.0, 0.0, 0.0, 0.0);
+        (self.rate, self.gain) = (1.0, 2.0);
+        self.notices.clear();
+    }
+}
+
+impl Drop for TestModel {
+    fn drop(&mut self) {
+        self.may_panic_at_last();
     }
 }

@@ -9,6 +9,11 @@ use std::ffi::c_void;
 use std::mem;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+#[cfg(not(panic = "unwind"))]
+compile_error!(
+    "a panic that aborts would take the importer's process with it: build with panic = \"unwind\""
+);
+
 /// Runs the body of an exported function on the instance behind `handle`.
 ///
 /// A handle that is not live has no log: the status is all that can be said.

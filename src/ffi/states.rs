@@ -71,7 +71,7 @@ impl Instance {
         }
         STATES
             .with(handle, |state| *state = saved)
-            .map_err(|error| unusable(handle, error))?;
+            .map_err(|error| self.unusable(handle, error))?;
         Ok(handle)
     }
 
@@ -91,8 +91,27 @@ impl Instance {
     pub(super) fn set_state(&mut self, handle: *mut c_void) -> Outcome {
         STATES
             .with(handle, |state| self.restore(state))
-            .map_err(|error| unusable(handle, error))?
+            .map_err(|error| self.unusable(handle, error))?
             .map_err(Refusal::error)
+    }
+
+    fn unusable(&self, handle: *mut c_void, error: HandleError) -> Refusal {
+        let argument = match self.interface {
+            Interface::Fmi2 => "FMUstate",
+            Interface::Fmi3 => "FMUState",
+        };
+        let reason = match error {
+            HandleError::Dead if handle.is_null() => "is NULL".to_owned(),
+            HandleError::Dead => {
+                format!(
+                    "{handle:?} is not a live one: it was freed, or never came from this library"
+                )
+            }
+            HandleError::Busy => format!("{handle:?} is in use by another call"),
+        };
+        Refusal::error(format_args!(
+            "argument '{argument}' {reason}; expected a state that was saved or deserialised here and not freed"
+        ))
     }
 
     /// Ends a saved state. One that was freed before, or NULL, is left alone.
@@ -121,7 +140,7 @@ impl Instance {
     pub(super) fn serialized_size(&self, handle: *mut c_void) -> Result<usize, Refusal> {
         STATES
             .with(handle, |state| sealed_size(state.content.len()))
-            .map_err(|error| unusable(handle, error))
+            .map_err(|error| self.unusable(handle, error))
     }
 
     /// Writes a saved state as bytes into an array of `size`.
@@ -133,7 +152,7 @@ impl Instance {
     ) -> Outcome {
         let sealed = STATES
             .with(handle, |s| seal(s.token, &s.content))
-            .map_err(|error| unusable(handle, error))?;
+            .map_err(|error| self.unusable(handle, error))?;
         if size < sealed.len() {
             return Err(Refusal::error(format_args!(
                 "size = {size} is too small for the serialised state of {} bytes",
@@ -161,15 +180,4 @@ impl Drop for Instance {
             let _ = STATES.remove(*handle);
         }
     }
-}
-
-fn unusable(handle: *mut c_void, error: HandleError) -> Refusal {
-    let reason = match error {
-        HandleError::Dead if handle.is_null() => "is NULL",
-        HandleError::Dead => "is not a live one: it was freed, or never came from this library",
-        HandleError::Busy => "is in use by another call",
-    };
-    Refusal::error(format_args!(
-        "the state {handle:?} {reason}; expected one that GetFMUState or DeserializeFMUState gave and nobody freed"
-    ))
 }

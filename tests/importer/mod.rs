@@ -134,6 +134,7 @@ impl Component {
         Instance {
             component: self,
             version,
+            event_mode: events,
             handle,
             time: 0.0,
             log,
@@ -158,6 +159,7 @@ impl Drop for Component {
 pub struct Instance<'a> {
     component: &'a Component,
     pub version: Version,
+    pub event_mode: bool,
     pub handle: *mut c_void,
     pub time: f64,
     pub log: Box<Log>,

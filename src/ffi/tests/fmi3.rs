@@ -1,7 +1,7 @@
 //! FMI 3 as an importer sees it.
 
 use super::harness::{Fmi2, Fmi3, Messages, NULL, Resources, Step3, logger3, token};
-use crate::cosim::test_model::{ABOVE, GAIN, PANIC_GAIN, RATE, U, X};
+use crate::cosim::test_model::{ABOVE, GAIN, RATE, U, X};
 use crate::ffi::Status::{self, Discard, Error, Ok};
 use crate::ffi::fmi2::fmi2Terminate;
 use crate::ffi::fmi3::*;
@@ -320,14 +320,6 @@ fn handles_of_one_version_are_refused_by_the_other() {
     // SAFETY: no pointers but the handle.
     assert_eq!(unsafe { fmi2Terminate(instance.handle) }, Error);
     assert!(instance.log.only().contains("other FMI version"));
-}
-
-#[test]
-fn a_panic_inside_stays_inside() {
-    let mut instance = Fmi3::running(false, false);
-    instance.set(GAIN, PANIC_GAIN);
-    assert_eq!(instance.step(0.0, 0.1).status, Error);
-    assert!(instance.log.only().contains("the test asked for a panic"));
 }
 
 #[test]

@@ -4,3 +4,4 @@ mod fmi2_calls;
 mod fmi2_values;
 mod fmi3;
 mod harness;
+mod panics;
