@@ -3,6 +3,7 @@
 import html.parser
 import pathlib
 import subprocess
+import tomllib
 import zipfile
 
 import fmpy
@@ -124,6 +125,54 @@ def test_units_are_si_with_display_units(reduced_rig):
     assert units["N.m"].baseUnit.kg == 1 and units["N.m"].baseUnit.m == 2 and units["N.m"].baseUnit.s == -2
     assert [unit.name for unit in units["rad/s"].displayUnits] == ["rpm"]
     assert [unit.name for unit in units["rad"].displayUnits] == ["deg"]
+
+
+def numbers(table, prefix=""):
+    """Dotted names and values of all numbers of a model file."""
+    for key, value in table.items():
+        if isinstance(value, dict) and "value" not in value:
+            yield from numbers(value, f"{prefix}{key}.")
+        else:
+            number = value["value"] if isinstance(value, dict) else value
+            if isinstance(number, (int, float)):
+                yield prefix + key, float(number)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("model", MODELS)
+def test_every_number_of_the_model_file_is_a_parameter(fmus, model, version):
+    variables = fmpy.read_model_description(str(fmus[model, version])).modelVariables
+    parameters = {v.name: v for v in variables if v.causality == "parameter"}
+    expected = dict(numbers(tomllib.loads(MODELS[model].read_text())))
+    assert {name: float(v.start) for name, v in parameters.items()} == expected
+    assert all(v.description and v.unit for v in parameters.values())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("[disc]\n", "[disc]\nmass = 4.5\n", ["[disc] has no key \"mass\"", "known are inertia"]),
+        ("[gearbox]", "[gear_box]", ["there is no section [gear_box]", "known are disc"]),
+        ('law = "stribeck"', "", ["[contact] lacks law", "one of coulomb"]),
+        ("value = 0.0149", "value = -1.0", ["disc.inertia = -1 is out of range", "above 0"]),
+        ("value = 0.0149", "value = nan", ["disc.inertia = NaN is out of range", "above 0"]),
+        ("[disc]", "[disc", ["not valid TOML", "line"]),
+    ],
+)
+def test_model_file_that_is_wrong_is_refused_and_nothing_is_written(tmp_path, old, new, expected):
+    text = MODELS["ReducedRig"].read_text()
+    assert old in text
+    model = tmp_path / "wrong.toml"
+    model.write_text(text.replace(old, new, 1))
+    out = tmp_path / "out"
+    out.mkdir()
+    kept = out / "ReducedRig.fmi2.fmu"
+    kept.write_bytes(b"from an earlier build")
+    result = build(model, out)
+    assert result.returncode == 2
+    for part in [str(model), *expected]:
+        assert part in result.stderr
+    assert list(out.iterdir()) == [kept] and kept.read_bytes() == b"from an earlier build"
 
 
 def test_library_is_named_when_it_is_missing(tmp_path):
