@@ -158,6 +158,28 @@ pub fn check(
     Ok(())
 }
 
+/// What can be known of a library for another machine, which cannot be loaded: complete, all functions exported.
+///
+/// # Errors
+/// [`BinaryError::Header`] or [`BinaryError::Symbols`].
+pub fn check_headers(library: &Library, version: FmiVersion) -> Result<(), BinaryError> {
+    let file = binary_header::parse(&library.content)
+        .and_then(|file| binary_header::complete(&file, &library.content).map(|()| file))
+        .map_err(|source| BinaryError::Header {
+            path: library.path.clone(),
+            source,
+        })?;
+    let missing = symbols::missing_from(&file, symbols::required(version).to_vec());
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(BinaryError::Symbols {
+        path: library.path.clone(),
+        version,
+        missing: missing.into_iter().map(str::to_owned).collect(),
+    })
+}
+
 /// Lays out the parts of the FMU that the library needs at run time; returns the library's file.
 fn unpack(
     folder: &Path,

@@ -4,6 +4,8 @@
 use object::{Architecture, FileKind, Object, ObjectSegment};
 use thiserror::Error;
 
+use crate::platform::Platform;
+
 /// Why a file is not loaded.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum HeaderError {
@@ -28,18 +30,28 @@ pub enum HeaderError {
     },
 }
 
+/// The platform that a library is for, if FMI has a folder for it.
+///
+/// # Errors
+/// [`HeaderError::NotALibrary`] for a file that is no library of any platform.
+pub fn platform(bytes: &[u8]) -> Result<Option<Platform>, HeaderError> {
+    let file = parse(bytes)?;
+    Ok(Platform::ALL
+        .into_iter()
+        .find(|platform| platform.machine() == (file.format(), file.architecture())))
+}
+
 /// Looks at the headers of a library that is about to be loaded.
 ///
 /// # Errors
 /// [`HeaderError`] with what would go wrong.
 pub fn check(bytes: &[u8]) -> Result<(), HeaderError> {
-    let not_a_library = |error: object::Error| HeaderError::NotALibrary(error.to_string());
     let kind = FileKind::parse(bytes).map_err(not_a_library)?;
     if matches!(kind, FileKind::MachOFat32 | FileKind::MachOFat64) {
         // Several processors in one file; the loader takes its own part.
         return Ok(());
     }
-    let file = object::File::parse(bytes).map_err(not_a_library)?;
+    let file = parse(bytes)?;
     let needed = match std::env::consts::ARCH {
         "x86_64" => Architecture::X86_64,
         "aarch64" => Architecture::Aarch64,
@@ -51,6 +63,14 @@ pub fn check(bytes: &[u8]) -> Result<(), HeaderError> {
             needed,
         });
     }
+    complete(&file, bytes)
+}
+
+/// Whether all that the headers of `file` tell of is in `bytes`.
+///
+/// # Errors
+/// [`HeaderError::CutOff`].
+pub fn complete(file: &object::File<'_>, bytes: &[u8]) -> Result<(), HeaderError> {
     let present = bytes.len() as u64;
     let wanted = file
         .segments()
@@ -62,6 +82,18 @@ pub fn check(bytes: &[u8]) -> Result<(), HeaderError> {
         return Err(HeaderError::CutOff { wanted, present });
     }
     Ok(())
+}
+
+/// The library's headers.
+///
+/// # Errors
+/// [`HeaderError::NotALibrary`].
+pub fn parse(bytes: &[u8]) -> Result<object::File<'_>, HeaderError> {
+    object::File::parse(bytes).map_err(not_a_library)
+}
+
+fn not_a_library(error: object::Error) -> HeaderError {
+    HeaderError::NotALibrary(error.to_string())
 }
 
 #[cfg(test)]

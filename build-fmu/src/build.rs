@@ -11,7 +11,7 @@ use crate::binary_check::{self, BinaryError, Expectation};
 use crate::contents::{ContentsError, contents};
 use crate::library::Library;
 use crate::model_description::{Facts, XmlError, model_description};
-use crate::platform::FmiVersion;
+use crate::platform::{FmiVersion, Platform};
 
 /// Why an FMU could not be built.
 #[derive(Debug, Error)]
@@ -135,12 +135,17 @@ impl Source {
         )
     }
 
-    /// The bytes of the FMU; the library is loaded and checked first.
+    /// The bytes of the FMU with a binary for each library; that for this machine is loaded and checked first, of the
+    /// others the headers.
     ///
     /// # Errors
     /// [`BuildError::Binary`] if the library fails its check, [`BuildError::Contents`] or
     /// [`BuildError::Archive`] if the archive cannot be made.
-    pub fn to_bytes(&self, library: &Library, version: FmiVersion) -> Result<Vec<u8>, BuildError> {
+    pub fn to_bytes(
+        &self,
+        libraries: &[Library],
+        version: FmiVersion,
+    ) -> Result<Vec<u8>, BuildError> {
         let facts = self.facts();
         let resources = [(MODEL_FILE.to_owned(), self.text.clone().into_bytes())];
         let expectation = Expectation {
@@ -148,21 +153,27 @@ impl Source {
             token: facts.token,
             resources: &resources,
         };
-        binary_check::check(library, version, &expectation)?;
-        Ok(contents(&facts, version, library, &self.text, &self.parsed)?.to_bytes()?)
+        for library in libraries {
+            if Platform::current() == Some(library.platform) {
+                binary_check::check(library, version, &expectation)?;
+            } else {
+                binary_check::check_headers(library, version)?;
+            }
+        }
+        Ok(contents(&facts, version, libraries, &self.text, &self.parsed)?.to_bytes()?)
     }
 
-    /// Checks the library, packs the FMU and writes it into `folder`, whole or not at all.
+    /// Checks the libraries, packs the FMU and writes it into `folder`, whole or not at all.
     ///
     /// # Errors
     /// As [`Source::to_bytes`], and [`BuildError::Archive`] if the file cannot be written.
     pub fn build(
         &self,
-        library: &Library,
+        libraries: &[Library],
         version: FmiVersion,
         folder: &Path,
     ) -> Result<Built, BuildError> {
-        let bytes = self.to_bytes(library, version)?;
+        let bytes = self.to_bytes(libraries, version)?;
         let path = folder.join(self.fmu_file_name(version));
         write_atomically(&path, &bytes)?;
         Ok(Built {

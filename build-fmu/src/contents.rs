@@ -41,7 +41,7 @@ pub enum ContentsError {
 pub fn contents(
     facts: &Facts<'_>,
     version: FmiVersion,
-    library: &Library,
+    libraries: &[Library],
     model_toml: &str,
     model: &toml::Table,
 ) -> Result<Archive, ContentsError> {
@@ -53,13 +53,15 @@ pub fn contents(
         documentation::page(facts, model),
     )?;
     archive.add("documentation/sbom.cdx.json", BILL_OF_MATERIALS)?;
-    let binary = format!(
-        "binaries/{}/{}.{}",
-        library.platform.folder(version),
-        facts.identity.model_identifier,
-        library.platform.library_extension()
-    );
-    archive.add(&binary, library.content.as_slice())?;
+    for library in libraries {
+        let binary = format!(
+            "binaries/{}/{}.{}",
+            library.platform.folder(version),
+            facts.identity.model_identifier,
+            library.platform.library_extension()
+        );
+        archive.add(&binary, library.content.as_slice())?;
+    }
     let icon = icon::png()?;
     let licenses = match version {
         FmiVersion::Fmi2 => {

@@ -1,10 +1,13 @@
-//! Finds the prebuilt library: as named, or beside the running program.
+//! Finds the prebuilt libraries: as named, or beside the running program.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::binary_header::{self, HeaderError};
 use crate::platform::Platform;
 
 /// A shared library read whole, so that what is checked is what is packed.
@@ -31,17 +34,41 @@ pub enum LibraryError {
         /// Processor architecture.
         architecture: &'static str,
     },
-    /// No library beside the program.
+    /// No library where it should be.
     #[error(
-        "the model's library was not found; looked for {}. Put {file_name} beside this program \
-         (`cargo build --release` in the source tree makes it) or name it with --library",
-        looked_for.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" and ")
+        "no library for {platform} was found; looked for {}. {}",
+        looked_for.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" and "),
+        remedy(*platform)
     )]
     NotFound {
-        /// File name of the library on this platform.
-        file_name: &'static str,
+        /// What it was wanted for.
+        platform: Platform,
         /// All places that were tried.
         looked_for: Vec<PathBuf>,
+    },
+    /// The library is for no platform that FMI names.
+    #[error("{} cannot be packed: it is for no platform that FMI names; known: {}", path.display(), Platform::ALL.map(Platform::name).join(", "))]
+    OtherPlatform {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is no library.
+    #[error("{} cannot be loaded: {source}", path.display())]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: HeaderError,
+    },
+    /// Two libraries for one folder.
+    #[error("{} and {} are both for {platform}; name one", first.display(), second.display())]
+    Twice {
+        /// The platform of both.
+        platform: Platform,
+        /// One file.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
     },
     /// The library is there but cannot be read.
     #[error("library {} could not be read: {source}", path.display())]
@@ -53,52 +80,144 @@ pub enum LibraryError {
     },
 }
 
-/// Reads the library at `named`, or else the one beside the running program.
+fn remedy(platform: Platform) -> String {
+    let file_name = platform.library_file_name();
+    if Platform::current() == Some(platform) {
+        return format!(
+            "Put {file_name} beside this program (`cargo build --release` in the source tree makes it) or name it \
+             with --library"
+        );
+    }
+    match platform {
+        Platform::Darwin64 | Platform::DarwinAarch64 => {
+            "Build it on macOS (`cargo build --release`) and name it with --library".to_owned()
+        }
+        _ => format!(
+            "In the source tree `build-fmu/platforms/build {platform}` makes it, after \
+             `build-fmu/platforms/setup {platform}` has installed what that needs; one built elsewhere is named with \
+             --library"
+        ),
+    }
+}
+
+/// Reads the library at `named`, or else the one for this machine beside the running program.
 ///
 /// A program in a `deps` or `examples` folder of a build tree (a test, for instance) also finds the library one folder up.
 ///
 /// # Errors
 /// [`LibraryError`], naming all the places that were tried.
 pub fn find(named: Option<&Path>) -> Result<Library, LibraryError> {
-    let platform = Platform::current().ok_or(LibraryError::Platform {
+    match named {
+        Some(path) => read(path),
+        None => {
+            let platform = this_platform()?;
+            let file_name = platform.library_file_name();
+            let places = beside_program().into_iter();
+            first_of(
+                platform,
+                places.map(|folder| folder.join(file_name)).collect(),
+            )
+        }
+    }
+}
+
+/// The libraries to pack: those `named`, and for each further one of `platforms` the prebuilt one; without either the
+/// one for this machine. In the order of [`Platform`].
+///
+/// A prebuilt library lies in `platforms/NAME/` beside the running program, or, for this machine, beside it.
+///
+/// # Errors
+/// [`LibraryError`] if one is missing or for another platform, or if two are for the same.
+pub fn select(platforms: &[Platform], named: &[PathBuf]) -> Result<Vec<Library>, LibraryError> {
+    if platforms.is_empty() && named.is_empty() {
+        return Ok(vec![find(None)?]);
+    }
+    let mut libraries: BTreeMap<Platform, Library> = BTreeMap::new();
+    for path in named {
+        let library = read(path)?;
+        let (platform, second) = (library.platform, library.path.clone());
+        if let Some(first) = libraries.insert(platform, library) {
+            return Err(LibraryError::Twice {
+                platform,
+                first: first.path,
+                second,
+            });
+        }
+    }
+    for platform in platforms {
+        if let Entry::Vacant(place) = libraries.entry(*platform) {
+            place.insert(prebuilt(*platform)?);
+        }
+    }
+    Ok(libraries.into_values().collect())
+}
+
+fn this_platform() -> Result<Platform, LibraryError> {
+    Platform::current().ok_or(LibraryError::Platform {
         os: std::env::consts::OS,
         architecture: std::env::consts::ARCH,
-    })?;
-    let looked_for = match named {
-        Some(path) => vec![path.to_owned()],
-        None => beside_program(platform.library_file_name()),
-    };
-    let Some(path) = looked_for.iter().find(|path| path.is_file()).cloned() else {
-        return Err(LibraryError::NotFound {
-            file_name: platform.library_file_name(),
+    })
+}
+
+fn prebuilt(platform: Platform) -> Result<Library, LibraryError> {
+    let file_name = platform.library_file_name();
+    let mut looked_for = Vec::new();
+    for folder in beside_program() {
+        looked_for.push(
+            folder
+                .join("platforms")
+                .join(platform.name())
+                .join(file_name),
+        );
+        if Platform::current() == Some(platform) {
+            looked_for.push(folder.join(file_name));
+        }
+    }
+    first_of(platform, looked_for)
+}
+
+fn first_of(platform: Platform, looked_for: Vec<PathBuf>) -> Result<Library, LibraryError> {
+    match looked_for.iter().find(|path| path.is_file()) {
+        Some(path) => read(path),
+        None => Err(LibraryError::NotFound {
+            platform,
             looked_for,
-        });
+        }),
+    }
+}
+
+fn read(path: &Path) -> Result<Library, LibraryError> {
+    let path = path.to_owned();
+    let content = match fs::read(&path) {
+        Ok(content) => content,
+        Err(source) => return Err(LibraryError::Read { path, source }),
     };
-    match fs::read(&path) {
-        Ok(content) => Ok(Library {
+    match binary_header::platform(&content) {
+        Ok(Some(platform)) => Ok(Library {
             path,
             platform,
             content,
         }),
-        Err(source) => Err(LibraryError::Read { path, source }),
+        Ok(None) => Err(LibraryError::OtherPlatform { path }),
+        Err(source) => Err(LibraryError::Header { path, source }),
     }
 }
 
-fn beside_program(file_name: &str) -> Vec<PathBuf> {
+fn beside_program() -> Vec<PathBuf> {
     let Some(folder) = std::env::current_exe()
         .ok()
         .and_then(|program| program.parent().map(Path::to_owned))
     else {
-        return vec![PathBuf::from(file_name)];
+        return vec![PathBuf::new()];
     };
-    let mut places = vec![folder.join(file_name)];
     let in_build_tree = folder
         .file_name()
         .is_some_and(|name| name == "deps" || name == "examples");
-    if let (true, Some(parent)) = (in_build_tree, folder.parent()) {
-        places.push(parent.join(file_name));
-    }
-    places
+    let above = folder
+        .parent()
+        .filter(|_| in_build_tree)
+        .map(Path::to_owned);
+    std::iter::once(folder).chain(above).collect()
 }
 
 #[cfg(test)]
@@ -112,6 +231,23 @@ mod tests {
             error.to_string().contains("/nowhere/libstickslip.so"),
             "{error}"
         );
-        assert!(error.to_string().contains("--library"), "{error}");
+    }
+
+    #[test]
+    fn a_missing_platform_is_named_with_what_makes_it() {
+        let error = select(&[Platform::Windows64], &[]).unwrap_err();
+        let message = error.to_string();
+        assert!(
+            message.contains("platforms/win64/stickslip.dll")
+                && message.contains("build-fmu/platforms/setup win64"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn two_libraries_for_one_platform_are_refused() {
+        let program = std::env::current_exe().unwrap();
+        let error = select(&[], &[program.clone(), program]).unwrap_err();
+        assert!(matches!(error, LibraryError::Twice { .. }), "{error}");
     }
 }

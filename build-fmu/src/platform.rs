@@ -1,6 +1,10 @@
 //! FMI versions and platforms: folder names, file endings, names of the library.
 
 use std::fmt;
+use std::str::FromStr;
+
+use object::{Architecture, BinaryFormat};
+use thiserror::Error;
 
 /// Version of the standard that an FMU follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -53,7 +57,64 @@ pub enum Platform {
     DarwinAarch64,
 }
 
+/// A name that is no platform of FMI.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("`{name}` is no platform; use one of {}", Platform::ALL.map(Platform::name).join(", "))]
+pub struct UnknownPlatform {
+    /// What was given.
+    pub name: String,
+}
+
+impl FromStr for Platform {
+    type Err = UnknownPlatform;
+
+    /// By the folder name of either version: `win64` and `x86_64-windows` are the same.
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        Platform::ALL
+            .into_iter()
+            .find(|platform| {
+                FmiVersion::ALL
+                    .into_iter()
+                    .any(|version| platform.folder(version) == name)
+            })
+            .ok_or_else(|| UnknownPlatform {
+                name: name.to_owned(),
+            })
+    }
+}
+
+impl fmt::Display for Platform {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
 impl Platform {
+    /// All platforms that a library can be packed for.
+    pub const ALL: [Platform; 5] = [
+        Platform::Linux64,
+        Platform::LinuxAarch64,
+        Platform::Windows64,
+        Platform::Darwin64,
+        Platform::DarwinAarch64,
+    ];
+
+    /// The name on the command line and of the folder of prebuilt libraries: `linux64`, `aarch64-linux`, …
+    pub fn name(self) -> &'static str {
+        self.folder(FmiVersion::Fmi2)
+    }
+
+    /// File format and processor of its libraries.
+    pub fn machine(self) -> (BinaryFormat, Architecture) {
+        match self {
+            Platform::Linux64 => (BinaryFormat::Elf, Architecture::X86_64),
+            Platform::LinuxAarch64 => (BinaryFormat::Elf, Architecture::Aarch64),
+            Platform::Windows64 => (BinaryFormat::Pe, Architecture::X86_64),
+            Platform::Darwin64 => (BinaryFormat::MachO, Architecture::X86_64),
+            Platform::DarwinAarch64 => (BinaryFormat::MachO, Architecture::Aarch64),
+        }
+    }
+
     /// The platform that this program was built for, if FMI has a folder for it.
     pub fn current() -> Option<Platform> {
         match (std::env::consts::OS, std::env::consts::ARCH) {
@@ -98,5 +159,24 @@ impl Platform {
             Platform::Windows64 => "stickslip.dll",
             Platform::Darwin64 | Platform::DarwinAarch64 => "libstickslip.dylib",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_platform_has_the_names_of_both_versions() {
+        for platform in Platform::ALL {
+            for version in FmiVersion::ALL {
+                assert_eq!(platform.folder(version).parse(), Ok(platform));
+            }
+        }
+        let error = "win32".parse::<Platform>().unwrap_err().to_string();
+        assert!(
+            error.contains("win32") && error.contains("win64"),
+            "{error}"
+        );
     }
 }

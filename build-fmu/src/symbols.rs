@@ -1,5 +1,7 @@
 //! Every function of the two standards' headers: a library must export them all, used or not.
 
+use object::Object;
+
 use crate::platform::FmiVersion;
 
 /// Names of all functions that the header of the standard declares.
@@ -23,6 +25,24 @@ pub fn required_by(version: FmiVersion, interfaces: &[&str]) -> Vec<&'static str
         .iter()
         .copied()
         .filter(|name| belongs(name))
+        .collect()
+}
+
+/// Those of `names` that a library of any platform does not export.
+pub fn missing_from(file: &object::File<'_>, names: Vec<&'static str>) -> Vec<&'static str> {
+    let exported: Vec<String> = file
+        .exports()
+        .unwrap_or_default()
+        .iter()
+        .map(|export| {
+            String::from_utf8_lossy(export.name())
+                .trim_start_matches('_')
+                .to_owned()
+        })
+        .collect();
+    names
+        .into_iter()
+        .filter(|name| !exported.iter().any(|export| export == name))
         .collect()
 }
 

@@ -8,7 +8,7 @@ use build_fmu::archive::write_atomically;
 use build_fmu::build::Source;
 use build_fmu::library;
 use build_fmu::lint::{self, Loading, Package};
-use build_fmu::platform::FmiVersion;
+use build_fmu::platform::{FmiVersion, Platform};
 use build_fmu::ssp::{self, System};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -26,6 +26,8 @@ const INPUT_ERROR: u8 = 2;
                   writes out/ReducedRig.fmi2.fmu and out/ReducedRig.fmi3.fmu.\n\
                   build-fmu check out/ReducedRig.fmi2.fmu\n\
                   finds in any FMU what validators miss.\n\
+                  build-fmu modelDescription/reduced-rig.toml --platform linux64 --platform win64 --out out\n\
+                  packs a binary for each.\n\
                   Needs neither cargo nor a compiler: the library lies beside this program."
 )]
 struct Arguments {
@@ -40,9 +42,8 @@ struct Arguments {
     /// Version of the standard; both if not given.
     #[arg(long, value_enum, value_name = "VERSION")]
     fmi: Option<Version>,
-    /// The library to pack [default: the one beside this program].
-    #[arg(long, value_name = "PATH")]
-    library: Option<PathBuf>,
+    #[command(flatten)]
+    binaries: Binaries,
     /// Print modelDescription.xml instead of building an FMU; needs --fmi.
     #[arg(long, requires = "fmi", conflicts_with_all = ["out", "write_xml"])]
     print_xml: bool,
@@ -88,12 +89,29 @@ struct SystemArguments {
     /// Version of the FMUs; SSP 1.0 was written for FMI 2.
     #[arg(long, value_enum, value_name = "VERSION", default_value = "2")]
     fmi: Version,
-    /// The library to pack [default: the one beside this program].
-    #[arg(long, value_name = "PATH")]
-    library: Option<PathBuf>,
+    #[command(flatten)]
+    binaries: Binaries,
     /// Folder for the archive; made if it is missing.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+}
+
+/// What is packed for which platform.
+#[derive(Debug, Args)]
+struct Binaries {
+    /// Pack the library for this platform; may be repeated [default: that of this machine].
+    #[arg(
+        long = "platform",
+        value_name = "PLATFORM",
+        long_help = "Pack the library for this platform; may be repeated [default: that of this machine].\n\
+                       linux64, win64, aarch64-linux, darwin64, aarch64-darwin, or the names of FMI 3 \
+                       (x86_64-windows). Looked for in platforms/PLATFORM/ beside this program, where \
+                       `build-fmu/platforms/build PLATFORM` in the source tree puts it"
+    )]
+    platforms: Vec<Platform>,
+    /// A library to pack, for the platform that its header names; may be repeated [default: the one beside this program].
+    #[arg(long = "library", value_name = "PATH")]
+    libraries: Vec<PathBuf>,
 }
 
 fn start_value(text: &str) -> Result<(String, f64), String> {
@@ -172,8 +190,8 @@ fn pack_system(arguments: &SystemArguments) -> anyhow::Result<()> {
     if arguments.expose {
         system.expose();
     }
-    let library = library::find(arguments.library.as_deref())?;
-    let path = ssp::build(&system, &library, arguments.fmi.into(), &arguments.out)?;
+    let libraries = library::select(&arguments.binaries.platforms, &arguments.binaries.libraries)?;
+    let path = ssp::build(&system, &libraries, arguments.fmi.into(), &arguments.out)?;
     println!("{}", path.display());
     Ok(())
 }
@@ -203,9 +221,9 @@ fn build(arguments: &Arguments) -> anyhow::Result<()> {
         .out
         .as_deref()
         .context("name a folder for the FMUs with --out DIR")?;
-    let library = library::find(arguments.library.as_deref())?;
+    let libraries = library::select(&arguments.binaries.platforms, &arguments.binaries.libraries)?;
     for version in versions {
-        let built = source.build(&library, version, folder)?;
+        let built = source.build(&libraries, version, folder)?;
         println!(
             "{} ({} KiB)",
             built.path.display(),

@@ -1,6 +1,6 @@
 //! Libraries: there, named after the model, for the right machine, complete, willing.
 
-use object::{Architecture, BinaryFormat, Object};
+use object::Object;
 
 use super::Loading;
 use super::description::Description;
@@ -10,14 +10,6 @@ use crate::binary_check::{self, BinaryError, Expectation};
 use crate::library::Library;
 use crate::platform::{FmiVersion, Platform};
 use crate::symbols;
-
-const PLATFORMS: [Platform; 5] = [
-    Platform::Linux64,
-    Platform::LinuxAarch64,
-    Platform::Windows64,
-    Platform::Darwin64,
-    Platform::DarwinAarch64,
-];
 
 /// Folders of 32-bit systems and of macOS for both processors: known, their content is not looked at.
 const OTHER_FOLDERS: [&str; 8] = [
@@ -53,12 +45,12 @@ pub(super) fn check(
         ));
     }
     for folder in folders {
-        let platform = PLATFORMS
+        let platform = Platform::ALL
             .into_iter()
             .find(|platform| platform.folder(description.version) == folder);
         let Some(platform) = platform else {
             if !OTHER_FOLDERS.contains(&folder) {
-                let known = PLATFORMS
+                let known = Platform::ALL
                     .map(|platform| platform.folder(description.version))
                     .join(", ");
                 let message = format!(
@@ -125,7 +117,7 @@ fn library(
             )];
         }
     };
-    let (format, architecture) = machine(platform);
+    let (format, architecture) = platform.machine();
     if file.format() != format || file.architecture() != architecture {
         let message = format!(
             "{path} is {:?} for {:?}; its folder says {format:?} for {architecture:?}",
@@ -156,36 +148,13 @@ fn library(
         .collect()
 }
 
-fn machine(platform: Platform) -> (BinaryFormat, Architecture) {
-    match platform {
-        Platform::Linux64 => (BinaryFormat::Elf, Architecture::X86_64),
-        Platform::LinuxAarch64 => (BinaryFormat::Elf, Architecture::Aarch64),
-        Platform::Windows64 => (BinaryFormat::Pe, Architecture::X86_64),
-        Platform::Darwin64 => (BinaryFormat::MachO, Architecture::X86_64),
-        Platform::DarwinAarch64 => (BinaryFormat::MachO, Architecture::Aarch64),
-    }
-}
-
 fn missing_symbols(file: &object::File<'_>, description: &Description) -> Vec<&'static str> {
-    let exported: Vec<String> = file
-        .exports()
-        .unwrap_or_default()
-        .iter()
-        .map(|export| {
-            String::from_utf8_lossy(export.name())
-                .trim_start_matches('_')
-                .to_owned()
-        })
-        .collect();
     let interfaces: Vec<&str> = description
         .interfaces
         .iter()
         .map(|(interface, _)| interface.as_str())
         .collect();
-    symbols::required_by(description.version, &interfaces)
-        .into_iter()
-        .filter(|name| !exported.iter().any(|export| export == name))
-        .collect()
+    symbols::missing_from(file, symbols::required_by(description.version, &interfaces))
 }
 
 /// Instantiates with the token of the description, co-simulation only; the resources go to a folder of our own.

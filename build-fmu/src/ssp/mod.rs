@@ -36,7 +36,7 @@ pub enum SspError {
 /// [`SspError`] if one of the steps fails.
 pub fn build(
     system: &System,
-    library: &Library,
+    libraries: &[Library],
     version: FmiVersion,
     folder: &Path,
 ) -> Result<PathBuf, SspError> {
@@ -45,7 +45,7 @@ pub fn build(
     archive.add("SystemStructure.ssd", description)?;
     for source in system.components() {
         let name = format!("resources/{}", source.fmu_file_name(version));
-        archive.add(&name, source.to_bytes(library, version)?)?;
+        archive.add(&name, source.to_bytes(libraries, version)?)?;
     }
     let path = folder.join(format!("{}.{}.ssp", system.name(), version.tag()));
     write_atomically(&path, &archive.to_bytes()?)?;

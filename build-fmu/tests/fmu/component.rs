@@ -24,7 +24,7 @@ pub fn shipped_model(name: &str) -> PathBuf {
 pub fn build(model: &str, version: FmiVersion, folder: &Path) -> PathBuf {
     let source = Source::read(&shipped_model(model)).unwrap();
     let library = library::find(None).unwrap();
-    source.build(&library, version, folder).unwrap().path
+    source.build(&[library], version, folder).unwrap().path
 }
 
 enum Instance {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use build_fmu::build::Source;
 use build_fmu::library;
-use build_fmu::platform::FmiVersion;
+use build_fmu::platform::{FmiVersion, Platform};
 use clap::{Args, ValueEnum};
 
 use crate::cli::Outcome;
@@ -20,9 +20,13 @@ pub struct BuildArguments {
     /// Version of the standard; both if not given.
     #[arg(long, value_enum, value_name = "VERSION")]
     pub fmi: Option<Version>,
-    /// The library to pack; without it the one beside this program.
-    #[arg(long, value_name = "FILE")]
-    pub library: Option<PathBuf>,
+    /// Pack the library for this platform (`linux64`, `win64`, `aarch64-linux`, …) from `platforms/` beside this
+    /// program; may be repeated. Without it that of this machine.
+    #[arg(long = "platform", value_name = "PLATFORM")]
+    pub platforms: Vec<Platform>,
+    /// A library to pack, for the platform that its header names; may be repeated. Without it the one beside this program.
+    #[arg(long = "library", value_name = "FILE")]
+    pub libraries: Vec<PathBuf>,
 }
 
 /// Version of the FMI standard.
@@ -42,14 +46,14 @@ pub enum Version {
 /// Whatever is wrong with the model or the library.
 pub fn command(arguments: &BuildArguments) -> anyhow::Result<Outcome> {
     let source = Source::read(&arguments.model)?;
-    let library = library::find(arguments.library.as_deref())?;
+    let libraries = library::select(&arguments.platforms, &arguments.libraries)?;
     let versions = match arguments.fmi {
         Some(Version::Two) => vec![FmiVersion::Fmi2],
         Some(Version::Three) => vec![FmiVersion::Fmi3],
         None => FmiVersion::ALL.to_vec(),
     };
     for version in versions {
-        let built = source.build(&library, version, &arguments.out)?;
+        let built = source.build(&libraries, version, &arguments.out)?;
         println!(
             "{} ({} KiB)",
             built.path.display(),

@@ -235,7 +235,11 @@ pub fn write(directory: &Path, text: &str, library: &Library) -> Result<Vec<Path
     let source = Source::from_text(text.to_owned(), FILE)?;
     let mut written = vec![path];
     for version in FmiVersion::ALL {
-        written.push(source.build(library, version, directory)?.path);
+        written.push(
+            source
+                .build(std::slice::from_ref(library), version, directory)?
+                .path,
+        );
     }
     Ok(written)
 }

@@ -197,7 +197,7 @@ fn built(
 ) -> Result<Box<dyn Component>, ShowError> {
     std::fs::create_dir_all(folder).map_err(ShowError::Directory)?;
     let source = Source::from_text(text.to_owned(), "model")?;
-    let fmu = source.build(library, version, folder)?;
+    let fmu = source.build(std::slice::from_ref(library), version, folder)?;
     Ok(open(&fmu.path)?)
 }
 
