@@ -1,0 +1,208 @@
+"""The examples for Python users run and show what they say; a study survives killed workers and goes on where it was."""
+
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import nbformat
+import numpy
+import pandas
+import psutil
+import pytest
+from nbclient import NotebookClient
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAMS = ROOT / "target" / "release"
+EXAMPLES = ROOT / "examples" / "python"
+CASE = ROOT / "workbench" / "tests" / "data" / "unbalance"
+OUT = ROOT / "out" / "examples"  # kept: CI's pictures
+GRID = ["--speed-rpm", "25", "60", "8", "--normal-force", "10", "50", "5", "--stop", "30"]
+
+sys.path.insert(0, str(EXAMPLES))
+import rig  # noqa: E402  the examples' own module
+
+
+def python(script, *arguments):
+    """What an example prints."""
+    command = [sys.executable, EXAMPLES / f"{script}.py", *arguments]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=240)
+    assert result.returncode == 0, result.stdout + result.stderr
+    return result.stdout
+
+
+def build(model, folder, version):
+    subprocess.run([PROGRAMS / "build-fmu", model, "--fmi", version, "--out", folder], check=True)
+    return folder / f"ReducedRig.fmi{version}.fmu"
+
+
+@pytest.fixture(scope="session", params=["2", "3"])
+def fmu(request):
+    return build(ROOT / "modelDescription" / "reduced-rig.toml", OUT, request.param)
+
+
+def is_picture(path):
+    return path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_run_is_plotted_and_kept(fmu):
+    folder = OUT / fmu.stem
+    python("run_and_plot", fmu, "--out", folder)
+    run = pandas.read_csv(folder / "run.csv", index_col="time")
+    assert len(run) == 6001 and is_picture(folder / "run.png")
+    late = run["theta_dot"][run.index > 40]
+    assert late.min() < 1e-9 and 12.6 < late.max() < 12.8
+
+
+def test_parameters_change_the_motion(fmu):
+    folder = OUT / fmu.stem
+    python("change_parameters", fmu, "contact.mu_s", "0.13", "0.2", "--out", folder)
+    runs = pandas.read_csv(folder / "parameters.csv", index_col="time")
+    late = runs[runs.index > 10]
+    assert late["0.13"].min() > 4.0 and late["0.2"].min() < 1e-9
+    assert is_picture(folder / "parameters.png")
+
+
+def test_a_parameter_that_is_not_there_is_told_with_those_that_are(fmu):
+    command = [sys.executable, EXAMPLES / "change_parameters.py", fmu, "contact.mu", "0.1", "--out", OUT]
+    result = subprocess.run(command, capture_output=True, text=True)
+    assert result.returncode == 2
+    assert "contact.mu is no parameter" in result.stderr and "contact.mu_s" in result.stderr
+
+
+def test_pandas_in_and_out_hold_inputs_between_rows(fmu):
+    inputs = pandas.DataFrame({"u": [3.0, 1.0, 1.0], "N2": [20.0, 20.0, 20.0]}, index=[0.0, 1.0, 2.0])
+    stepped = rig.simulate(fmu, 2.0, inputs=inputs)
+    first = rig.simulate(fmu, 1.0, u=3.0, N2=20.0)
+    assert list(stepped.columns) == rig.OUTPUTS and stepped.index.name == "time"
+    until = stepped.loc[:1.0]
+    assert numpy.abs(until.to_numpy() - first.to_numpy()).max() < 1e-9
+    assert stepped["theta3_dot"].iloc[-1] < 0.8 * first["theta3_dot"].iloc[-1]
+
+
+def test_measures_tell_the_right_model_from_a_wrong_one(fmu, tmp_path):
+    """The record is the right model's own run: it agrees with itself, a model with other friction does not."""
+    version = fmu.name.split(".")[1][-1]
+    voltage = rig.voltage_for(fmu, 55)
+    record = rig.simulate(fmu, 10.0, u=voltage, N2=50.0)[["theta", "theta_dot", "theta3", "theta3_dot"]]
+    record.insert(0, "u", voltage)
+    record.insert(1, "N2", 50.0)
+    record = record[record.index >= 2.0]
+    record.to_csv(tmp_path / "record.csv")
+    wrong = tmp_path / "wrong.toml"
+    text = (ROOT / "modelDescription" / "reduced-rig.toml").read_text()
+    changed = re.sub(r"(?m)^(mu_s = \{ value = )[0-9.]+", r"\g<1>0.16", text)
+    assert changed != text
+    wrong.write_text(changed)
+    other = build(wrong, tmp_path / "wrong", version)
+    python("validate", tmp_path / "record.csv", fmu, other, "--out", tmp_path)
+    table = pandas.read_csv(tmp_path / "measures.csv", index_col=["FMU", "runs"])
+    right, bad = table.loc[str(fmu), "windows"], table.loc[str(other), "windows"]
+    print(table)
+    assert right["rmse"] < 0.02 and right["pc"] > 0.9999
+    assert bad["rmse"] > 10 * right["rmse"]
+    assert is_picture(tmp_path / "validation.png")
+
+
+def study(folder, fmu, *more):
+    command = [sys.executable, EXAMPLES / "study.py", fmu, *GRID, "--out", folder, *more]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def finished(process):
+    stdout, stderr = process.communicate(timeout=240)
+    assert process.returncode == 0, stdout + stderr
+    return stderr
+
+
+def rows(folder):
+    return pandas.read_csv(folder / "study.csv").sort_values(["speed_rpm", "normal_force"]).reset_index(drop=True)
+
+
+def wait_for_rows(folder, count):
+    for _ in range(600):
+        if (folder / "study.csv").exists() and len((folder / "study.csv").read_text().splitlines()) > count:
+            return
+        time.sleep(0.1)
+    raise AssertionError("the study has not begun")
+
+
+@pytest.fixture(scope="session")
+def undisturbed(tmp_path_factory):
+    """The study's table when nothing happens to it, and its progress."""
+    fmu = build(ROOT / "modelDescription" / "reduced-rig.toml", OUT, "3")
+    folder = tmp_path_factory.mktemp("study")
+    progress = finished(study(folder, fmu))
+    return fmu, rows(folder), progress
+
+
+def test_a_study_shows_progress_and_finds_both_kinds_of_motion(undisturbed):
+    _, table, progress = undisturbed
+    assert len(table) == 40 and not table.duplicated(["speed_rpm", "normal_force"]).any()
+    assert 0 < (table["stuck_share"] > 0).sum() < 40
+    assert "40/40" in progress
+
+
+def test_a_study_survives_a_killed_worker(undisturbed, tmp_path):
+    fmu, expected, _ = undisturbed
+    process = study(tmp_path, fmu)
+    wait_for_rows(tmp_path, 3)
+    workers = [child for child in psutil.Process(process.pid).children(recursive=True)
+               if any("spawn_main" in word for word in child.cmdline())]
+    assert len(workers) >= 2, "the workers of the local cluster"
+    os.kill(workers[0].pid, signal.SIGKILL)
+    killed_at = len(rows(tmp_path))
+    finished(process)
+    assert killed_at < 40, "the worker was killed while there was work"
+    pandas.testing.assert_frame_equal(rows(tmp_path), expected)
+
+
+def test_a_study_that_was_ended_goes_on_where_it_was(undisturbed, tmp_path):
+    fmu, expected, _ = undisturbed
+    process = study(tmp_path, fmu)
+    wait_for_rows(tmp_path, 3)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    before = rows(tmp_path)
+    assert 3 <= len(before) < 40
+    finished(study(tmp_path, fmu))
+    pandas.testing.assert_frame_equal(rows(tmp_path), expected)
+
+
+def test_the_same_study_on_a_scheduler_by_its_address(undisturbed, tmp_path):
+    """`dask scheduler` and `dask worker` as on any cluster; the worker has a folder of its own."""
+    fmu, expected, _ = undisturbed
+    address = tmp_path / "scheduler.json"
+    dask = [sys.executable, "-m", "dask"]
+    helpers = [
+        subprocess.Popen([*dask, "scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", address], cwd=tmp_path),
+        subprocess.Popen([*dask, "worker", "--scheduler-file", address, "--nworkers", "2", "--no-dashboard"], cwd=tmp_path),
+    ]
+    try:
+        for _ in range(300):
+            if address.exists():
+                break
+            time.sleep(0.1)
+
+
+        scheduler = json.loads(address.read_text())["address"]
+        finished(study(tmp_path / "out", fmu, "--scheduler", scheduler))
+    finally:
+        for helper in helpers:
+            helper.terminate()
+            helper.wait(timeout=30)
+    pandas.testing.assert_frame_equal(rows(tmp_path / "out"), expected)
+
+
+def test_the_notebook_tells_its_story():
+    notebook = nbformat.read(EXAMPLES / "story.ipynb", as_version=4)
+    client = NotebookClient(notebook, timeout=200, resources={"metadata": {"path": str(EXAMPLES)}})
+    client.execute()
+    nbformat.write(notebook, OUT / "story.ipynb")
+    pictures = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs
+                if "image/png" in output.get("data", {})]
+    assert len(pictures) == 2
