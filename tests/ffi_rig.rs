@@ -145,6 +145,19 @@ fn a_ramp_by_derivatives_agrees_with_many_small_steps_of_it() {
 }
 
 #[test]
+fn a_value_set_at_a_later_point_ends_a_ramp_whatever_was_read_in_between() {
+    let component = Component::new(REDUCED_RIG);
+    let mut ramp = component.start(Fmi2, &CASE);
+    assert_eq!(ramp.set_input_derivative("u", 1, 2.0), Status::Ok);
+    // Reading what depends on inputs makes the run catch up before the step does.
+    assert_eq!(ramp.get("T_f"), 0.0);
+    ramp.step(0.1);
+    ramp.set("u", 1.0);
+    ramp.step(0.5);
+    assert_eq!(ramp.get("u"), 1.0);
+}
+
+#[test]
 fn output_derivatives_are_those_of_the_motion() {
     let component = Component::new(REDUCED_RIG);
     for version in [Fmi2, Fmi3] {

@@ -98,7 +98,8 @@ pub(super) const SPEED_CONTROLLER: &str = "speed_controller";
 pub(super) const SOFT_TORQUE: &str = "soft_torque";
 
 impl<S: Scalar> ControlLaw<S> {
-    fn sections(&self) -> Vec<(&'static str, &dyn Section<S>)> {
+    /// All sections with their names, in the fixed order of the parameter list.
+    pub fn sections(&self) -> Vec<(&'static str, &dyn Section<S>)> {
         match self {
             Self::Speed(law) => {
                 let mut sections: Vec<(&'static str, &dyn Section<S>)> =

@@ -2,11 +2,13 @@
 //!
 //! Nothing here knows the C interfaces; [`crate::ffi`] stands on it.
 
+mod component;
 mod controller;
 mod identity;
 mod input_signals;
 mod model;
 mod open;
+mod part;
 mod rig;
 mod rows;
 pub mod state;
@@ -16,14 +18,12 @@ mod token;
 pub mod units;
 mod variables;
 
-pub use controller::ControllerModel;
 pub use identity::{
     DefaultExperiment, Identity, LOG_CATEGORIES, LogCategory, MAX_INPUT_DERIVATIVE_ORDER,
     MAX_OUTPUT_DERIVATIVE_ORDER,
 };
 pub use model::{CoSimulationModel, ModelError, StepEnd};
 pub use open::{MODEL_FILE, open};
-pub use rig::RigModel;
 pub use state::{StateError, StateReader, StateWriter};
 pub use token::Token;
 pub use variables::{

@@ -1,8 +1,13 @@
 //! A controller as a component for co-simulation.
 
+mod course;
 mod identity;
-mod model;
+mod part;
 mod state;
 mod variables;
 
-pub use model::ControllerModel;
+use super::component::Component;
+use crate::controller::INPUTS;
+
+/// A controller behind the one model interface.
+pub(super) type ControllerModel = Component<course::Course, INPUTS, { part::STARTS }>;

@@ -1,6 +1,6 @@
 //! A controller's saved state.
 
-use crate::controller::{ControlLaw, INPUTS, Mode, Side, Start};
+use crate::controller::{INPUTS, Mode, Side, Start};
 use crate::cosim::{StateError, StateReader, StateWriter};
 
 /// All modes; a state stores the place in this list.
@@ -13,26 +13,6 @@ const MODES: [Mode; 7] = [
     Mode::Unwinding(Side::Lower),
     Mode::Unwinding(Side::Upper),
 ];
-
-/// Writes the values of all parameters.
-pub(super) fn write_law(law: &ControlLaw<f64>, state: &mut StateWriter) {
-    for position in 0..law.parameters().len() {
-        state.real(law.parameter_at(position).unwrap_or(f64::NAN));
-    }
-}
-
-/// The law built like `original` with the values that were written.
-pub(super) fn read_law(
-    original: &ControlLaw<f64>,
-    state: &mut StateReader<'_>,
-) -> Result<ControlLaw<f64>, StateError> {
-    let mut law = *original;
-    for position in 0..original.parameters().len() {
-        law.set_parameter_at(position, state.real()?)
-            .map_err(|error| StateError::Content(error.to_string()))?;
-    }
-    Ok(law)
-}
 
 /// Writes where the present stretch of a course began.
 pub(super) fn write_start(start: &Start, state: &mut StateWriter) {

@@ -2,16 +2,13 @@
 //! are connected to.
 
 use crate::controller::{ControlLaw, Input};
+use crate::cosim::part::{self, Quantity};
 use crate::cosim::rows::{flag, input, parameter_row, row};
 use crate::cosim::{Causality, Initial, TableError, Variable, VariableTable};
 
-/// What a row of the table stands for in the controller.
+/// What a controller's course computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Quantity {
-    /// Time.
-    Time,
-    /// An input.
-    Input(Input),
+pub(in crate::cosim) enum Signal {
     /// The voltage within its limits.
     Voltage,
     /// The integral.
@@ -20,17 +17,13 @@ pub(super) enum Quantity {
     FilteredTorque,
     /// Whether the voltage is at a limit.
     Saturated,
-    /// Parameter number, in the order of the law's list.
-    Parameter(usize),
 }
 
 /// The variable table of a controller, and what each row stands for.
 ///
 /// # Errors
 /// A unit of a parameter that cannot be expressed in SI base units.
-pub(super) fn controller_table(
-    law: &ControlLaw<f64>,
-) -> Result<(VariableTable, Vec<Quantity>), TableError> {
+pub(super) fn controller_table(law: &ControlLaw<f64>) -> Result<part::Rows<Signal>, TableError> {
     let mut rows = vec![(
         Quantity::Time,
         row("time", Causality::Independent, "s", "Simulated time"),
@@ -57,7 +50,7 @@ pub(super) fn controller_table(
                 display_unit: (unit == "rad/s").then_some("rpm"),
                 ..input(name, unit, nominal, text)
             };
-            rows.push((Quantity::Input(place), variable));
+            rows.push((Quantity::Input(place as usize), variable));
         }
     }
     let voltage = Variable {
@@ -70,23 +63,26 @@ pub(super) fn controller_table(
             "Voltage for the motor, within its limits",
         )
     };
-    rows.push((Quantity::Voltage, voltage));
+    rows.push((Quantity::Signal(Signal::Voltage), voltage));
     let state = |name, unit, text| Variable {
         initial: Some(Initial::Exact),
         start: Some(0.0),
         ..row(name, Causality::Local, unit, text)
     };
     let text = "Integral part of the voltage";
-    rows.push((Quantity::Integral, state("integral", "V", text)));
+    rows.push((
+        Quantity::Signal(Signal::Integral),
+        state("integral", "V", text),
+    ));
     if law.has(Input::Current) {
         let text = "Filtered torque of the motor, on the shaft side of the gearbox";
         rows.push((
-            Quantity::FilteredTorque,
+            Quantity::Signal(Signal::FilteredTorque),
             state("filtered_torque", "N.m", text),
         ));
     }
     let text = "Whether the voltage is at a limit";
-    rows.push((Quantity::Saturated, flag("saturated", text)));
+    rows.push((Quantity::Signal(Signal::Saturated), flag("saturated", text)));
     for (position, parameter) in law.parameters().iter().enumerate() {
         let variable = parameter_row(parameter, law.parameter_at(position));
         rows.push((Quantity::Parameter(position), variable));
@@ -97,21 +93,20 @@ pub(super) fn controller_table(
 }
 
 /// The voltage depends at once on the inputs with a direct gain; at the start on all that may be set.
-fn add_dependencies(law: &ControlLaw<f64>, rows: &mut [(Quantity, Variable)]) {
+fn add_dependencies(law: &ControlLaw<f64>, rows: &mut [(Quantity<Signal>, Variable)]) {
     let direct = law.gains().direct;
-    let places = |wanted: &dyn Fn(&Quantity, &Variable) -> bool| -> Vec<u32> {
+    let places = |wanted: &dyn Fn(&Quantity<Signal>, &Variable) -> bool| -> Vec<u32> {
         (0_u32..)
             .zip(rows.iter())
             .filter(|(_, (quantity, variable))| wanted(quantity, variable))
             .map(|(place, _)| place)
             .collect()
     };
-    let at_once = places(
-        &|quantity, _| matches!(quantity, Quantity::Input(input) if direct[*input as usize] != 0.0),
-    );
+    let at_once =
+        places(&|quantity, _| matches!(quantity, Quantity::Input(input) if direct[*input] != 0.0));
     let known_at_start = places(&|_, variable| variable.settable_before_start());
     for (quantity, variable) in rows {
-        if *quantity == Quantity::Voltage {
+        if *quantity == Quantity::Signal(Signal::Voltage) {
             variable.dependencies.clone_from(&at_once);
         }
         if variable.initial == Some(Initial::Calculated) {

@@ -1,34 +1,42 @@
 //! The course of a rig: the run that computes it, what it tells the log and what its sensors remember.
 
 use super::delay_line::DelayLine;
+use super::derivatives::{partial_derivative, time_derivative};
+use super::input_signals::InputSignals;
 use super::notice::{Notice, What};
-use super::state::{read_rig, read_snapshot, write_rig, write_snapshot};
-use super::variables::{Friction, Quantity};
+use super::state::{read_snapshot, write_snapshot};
+use super::variables::{CHANNELS, Friction, Signal};
+use crate::cosim::part::{self, Known, read_parameters, write_parameters};
 use crate::cosim::{ModelError, StateError, StateReader, StateWriter, StepEnd};
 use crate::integrator::{HybridSystem, IntegrationError, Options, Simulation};
-use crate::plant::{Rig, RigInputs, RigJet, RigMode, RigState, index};
+use crate::plant::{Coupling, Rig, RigInputs, RigJet, RigMode, RigState, STATES, index};
 use crate::series::{Scalar, evaluate};
+use std::fmt;
 
 /// The run of a rig.
 pub(super) type Run = Simulation<f64, Rig<f64>>;
 
 /// A run with its notices and its past.
-pub(super) struct Course {
-    pub(super) run: Run,
-    pub(super) notices: Vec<Notice>,
+pub(in crate::cosim) struct Course {
+    run: Run,
+    notices: Vec<Notice>,
     /// Present where the disc's sensors lag.
     delay_line: Option<DelayLine>,
 }
 
 impl Course {
-    /// Starts at `time` [s] from `state`.
-    pub(super) fn start(
+    fn new(
         rig: Rig<f64>,
-        options: Options,
+        tolerance: Option<f64>,
         time: f64,
         state: RigState<f64>,
         inputs: RigInputs<f64>,
     ) -> Result<Self, ModelError> {
+        let default = Options::default();
+        let options = Options {
+            tolerance: tolerance.unwrap_or(default.tolerance),
+            ..default
+        };
         let delay_line = rig
             .effects
             .sensor_delay
@@ -39,74 +47,6 @@ impl Course {
             notices: Vec::new(),
             delay_line,
         })
-    }
-
-    /// Puts other parameters and inputs in force from `now` [s] on, where they are other ones;
-    /// whether a contact sticks or slips at once because of them.
-    pub(super) fn change(
-        &mut self,
-        rig: &Rig<f64>,
-        inputs: Option<RigInputs<f64>>,
-        now: f64,
-    ) -> Result<bool, ModelError> {
-        let other_rig = rig != self.run.system();
-        if !other_rig && inputs.is_none() {
-            return Ok(false);
-        }
-        self.remember();
-        if other_rig {
-            rig.check().map_err(ModelError::from_display)?;
-            self.run
-                .set_system(now, *rig)
-                .map_err(ModelError::from_display)?;
-        }
-        if let Some(inputs) = inputs {
-            self.run
-                .set_inputs(now, inputs)
-                .map_err(ModelError::from_display)?;
-        }
-        let mut switched = false;
-        while self.run.segment_end() <= now {
-            switched |= self.next_segment().map_err(ModelError::from_display)?;
-        }
-        Ok(switched)
-    }
-
-    /// Advances from `begin` [s] until the run covers `until`, or with `stop_at_switch` to the first
-    /// switch of a contact after `begin`.
-    pub(super) fn advance(
-        &mut self,
-        begin: f64,
-        until: f64,
-        stop_at_switch: bool,
-        budget: u64,
-    ) -> Result<StepEnd, ModelError> {
-        let mut switched = false;
-        let mut stop = false;
-        for _ in 0..budget {
-            if self.run.segment_end() >= until {
-                return Ok(StepEnd {
-                    time: until,
-                    switched,
-                });
-            }
-            let switch = self.next_segment().map_err(ModelError::from_display)?;
-            let now = self.run.segment_start();
-            switched |= switch;
-            stop |= switch && stop_at_switch && now > begin;
-            // Several switches may fall on one instant.
-            if stop && self.run.segment_end() > now {
-                return Ok(StepEnd {
-                    time: now,
-                    switched,
-                });
-            }
-        }
-        Err(ModelError(format!(
-            "{budget} segments did not reach t = {until} s; now at t = {} s. Take shorter steps, or check \
-             inertias, inductance and stiffness: a time constant is extremely short",
-            self.run.segment_start()
-        )))
     }
 
     /// Goes to the next segment; whether a contact began to stick or to slip.
@@ -142,55 +82,158 @@ impl Course {
         }
     }
 
-    /// Value of a quantity at `time` [s], which the present segment covers; `None` for what is
-    /// neither a state nor a torque.
-    pub(super) fn value(&self, quantity: Quantity, time: f64) -> Option<f64> {
-        self.polynomial(quantity, time, evaluate)
-    }
-
-    /// What `read` makes of the polynomial of a quantity and the local time that `time` [s] is.
-    pub(super) fn polynomial<R>(
+    /// What `read` makes of the polynomial of a signal and the local time that `time` [s] is.
+    fn polynomial<R>(
         &self,
-        quantity: Quantity,
+        signal: Signal,
         time: f64,
         read: impl FnOnce(&[f64], f64) -> R,
     ) -> Option<R> {
-        if let (Some(line), Quantity::State(place @ (index::THETA | index::OMEGA))) =
-            (&self.delay_line, quantity)
+        if let (Some(line), Signal::State(place @ (index::THETA | index::OMEGA))) =
+            (&self.delay_line, signal)
         {
             let (series, tau) = line.read(&self.run, place == index::OMEGA, time);
             return Some(read(&series, tau));
         }
-        let series = series(self.run.system(), self.run.jet(), quantity)?;
+        let series = series(self.run.system(), self.run.jet(), signal)?;
         Some(read(series, time - self.run.segment_start()))
     }
+}
 
-    /// Writes the course into a state.
-    pub(super) fn save(&self, state: &mut StateWriter) {
-        write_rig(self.run.system(), state);
+impl part::Course<CHANNELS, STATES> for Course {
+    type Part = Rig<f64>;
+
+    fn start(
+        rig: &Rig<f64>,
+        tolerance: Option<f64>,
+        time: f64,
+        values: &RigState<f64>,
+        signals: &InputSignals,
+    ) -> Result<Self, ModelError> {
+        Self::new(*rig, tolerance, time, *values, signals.rig_inputs(time))
+    }
+
+    fn change(
+        &mut self,
+        rig: &Rig<f64>,
+        signals: &InputSignals,
+        now: f64,
+    ) -> Result<bool, ModelError> {
+        let other_rig = rig != self.run.system();
+        let other_inputs = !signals.agree_with(self.run.inputs(), now);
+        if !other_rig && !other_inputs {
+            return Ok(false);
+        }
+        if other_rig {
+            rig.check().map_err(ModelError::from_display)?;
+        }
+        self.remember();
+        if other_rig {
+            self.run
+                .set_system(now, *rig)
+                .map_err(ModelError::from_display)?;
+        }
+        if other_inputs {
+            self.run
+                .set_inputs(now, signals.rig_inputs(now))
+                .map_err(ModelError::from_display)?;
+        }
+        let mut switched = false;
+        while self.run.segment_end() <= now {
+            switched |= self.next_segment().map_err(ModelError::from_display)?;
+        }
+        Ok(switched)
+    }
+
+    #[inline]
+    fn covers(&mut self, until: f64) -> bool {
+        until <= self.run.segment_end()
+    }
+
+    fn advance(
+        &mut self,
+        begin: f64,
+        until: f64,
+        stop_at_switch: bool,
+    ) -> Result<StepEnd, ModelError> {
+        let mut switched = false;
+        let mut stop = false;
+        let budget = segment_budget(until - begin);
+        for _ in 0..budget {
+            if self.run.segment_end() >= until {
+                return Ok(StepEnd {
+                    time: until,
+                    switched,
+                });
+            }
+            let switch = self.next_segment().map_err(ModelError::from_display)?;
+            let now = self.run.segment_start();
+            switched |= switch;
+            stop |= switch && stop_at_switch && now > begin;
+            // Several switches may fall on one instant.
+            if stop && self.run.segment_end() > now {
+                return Ok(StepEnd {
+                    time: now,
+                    switched,
+                });
+            }
+        }
+        Err(ModelError(format!(
+            "{budget} segments did not reach t = {until} s; now at t = {} s. Take shorter steps, or check \
+             inertias, inductance and stiffness: a time constant is extremely short",
+            self.run.segment_start()
+        )))
+    }
+
+    fn reached(&self) -> f64 {
+        self.run.segment_start()
+    }
+
+    fn signal(&self, signal: Signal, order: u32, time: f64) -> Option<f64> {
+        self.polynomial(signal, time, |series, tau| match order {
+            0 => evaluate(series, tau),
+            order => time_derivative(series, order as usize, tau),
+        })
+    }
+
+    fn flag(&self, signal: Signal) -> Option<bool> {
+        let mode = self.run.mode();
+        match signal {
+            Signal::Stuck(Friction::Disc) => Some(mode.disc.is_stuck()),
+            Signal::Stuck(Friction::Disc1) => Some(mode.disc1.is_stuck()),
+            Signal::Stuck(Friction::Motor) => Some(mode.motor.is_stuck()),
+            Signal::CouplingFree => Some(mode.coupling == Coupling::Free),
+            Signal::State(_) | Signal::Friction(_) => None,
+        }
+    }
+
+    fn partial(&self, unknown: Signal, known: Known, time: f64) -> Result<Option<f64>, ModelError> {
+        partial_derivative(&self.run, time, unknown, known)
+    }
+
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn fmt::Display)) {
+        self.notices.drain(..).for_each(|notice| tell(&notice));
+    }
+
+    fn save(&self, state: &mut StateWriter) {
+        write_parameters(self.run.system(), state);
         write_snapshot(&self.run.snapshot(), state);
         if let Some(line) = &self.delay_line {
             line.save(state);
         }
     }
 
-    /// The opposite of [`save`](Self::save), for a rig built like `original`.
-    pub(super) fn restore(
+    fn restore(
         original: &Rig<f64>,
-        options: Options,
+        tolerance: Option<f64>,
         state: &mut StateReader<'_>,
     ) -> Result<Self, StateError> {
-        let content = |error: &dyn std::fmt::Display| StateError::Content(error.to_string());
-        let rig = read_rig(original, state)?;
+        let content = |error: &dyn fmt::Display| StateError::Content(error.to_string());
+        let rig = read_parameters(original, state)?;
         let snapshot = read_snapshot(state)?;
-        let mut course = Self::start(
-            rig,
-            options,
-            snapshot.start,
-            snapshot.state,
-            snapshot.inputs,
-        )
-        .map_err(|error| content(&error))?;
+        let (start, inputs) = (snapshot.start, snapshot.inputs);
+        let mut course = Self::new(rig, tolerance, start, snapshot.state, inputs)
+            .map_err(|error| content(&error))?;
         course
             .run
             .restore(&snapshot)
@@ -202,21 +245,31 @@ impl Course {
     }
 }
 
-/// Series of a quantity over one segment; `None` for what is neither a state nor a torque.
+/// Segments that a communication step of `length` seconds may spend.
+///
+/// The shipped rigs take some hundred a second, stiff ones some thousand. Without a bound that goes with the
+/// length, a parameter that makes a time constant absurdly short would hold the importer's process for minutes in
+/// a step of a millisecond.
+fn segment_budget(length: f64) -> u64 {
+    const BUDGET: f64 = 50_000.0;
+    ((BUDGET * (1.0 + length)) as u64).min(Options::default().budget)
+}
+
+/// Series of a signal over one segment; `None` for what is neither a state nor a torque.
 pub(super) fn series<'a, S: Scalar>(
     system: &Rig<S>,
     jet: &'a RigJet<S>,
-    quantity: Quantity,
+    signal: Signal,
 ) -> Option<&'a [S]> {
-    match quantity {
+    match signal {
         // The torque has the terms that count; a state's array goes on beyond them.
-        Quantity::State(place) => system
+        Signal::State(place) => system
             .states(jet)
             .get(place)?
             .get(..jet.friction_torque().len()),
-        Quantity::Friction(Friction::Disc) => Some(jet.friction_torque()),
-        Quantity::Friction(Friction::Disc1) => jet.friction_torque_1(),
-        Quantity::Friction(Friction::Motor) => Some(jet.motor_friction_torque()),
+        Signal::Friction(Friction::Disc) => Some(jet.friction_torque()),
+        Signal::Friction(Friction::Disc1) => jet.friction_torque_1(),
+        Signal::Friction(Friction::Motor) => Some(jet.motor_friction_torque()),
         _ => None,
     }
 }

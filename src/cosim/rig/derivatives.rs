@@ -1,11 +1,12 @@
-//! Derivatives of a rig's quantities: with respect to time, inputs and parameters.
+//! Derivatives of a rig's signals: with respect to time, inputs and parameters.
 
 use super::course::{Run, series};
 use super::input_signals::InputSignals;
-use super::variables::{Channel, Quantity};
+use super::variables::{Channel, Signal};
 use crate::cosim::ModelError;
+use crate::cosim::part::Known;
 use crate::integrator::HybridSystem;
-use crate::plant::{Rig, RigInputs, RigJet};
+use crate::plant::{RigInputs, RigJet};
 use crate::series::{Dual, Scalar};
 
 /// Derivative of this order of a polynomial at `tau`.
@@ -23,29 +24,26 @@ pub(super) fn time_derivative(coefficients: &[f64], order: usize, tau: f64) -> f
 /// a torque.
 pub(super) fn partial_derivative(
     run: &Run,
-    rig: &Rig<f64>,
-    signals: &InputSignals,
     time: f64,
-    unknown: Quantity,
-    known: Quantity,
+    unknown: Signal,
+    known: Known,
 ) -> Result<Option<f64>, ModelError> {
-    let mut rig = rig.lift::<Dual<1>>();
-    let mut inputs = lift_inputs(&signals.rig_inputs(time));
+    let mut rig = run.system().lift::<Dual<1>>();
+    let mut inputs = lift_inputs(&InputSignals::of(run.inputs()).rig_inputs(time));
     match known {
-        Quantity::Input(channel) => {
-            let value = match channel {
-                Channel::Voltage => &mut inputs.voltage[0],
-                Channel::NormalForce => &mut inputs.normal_force[0],
-                Channel::NormalForce1 => &mut inputs.normal_force_1[0],
+        Known::Input(place) => {
+            let value = match place {
+                _ if place == Channel::Voltage as usize => &mut inputs.voltage[0],
+                _ if place == Channel::NormalForce as usize => &mut inputs.normal_force[0],
+                _ => &mut inputs.normal_force_1[0],
             };
             *value = Dual::variable(value.value, 0);
         }
-        Quantity::Parameter(position) => {
+        Known::Parameter(position) => {
             let value = rig.parameter_at(position).map_or(0.0, Scalar::value);
             rig.set_parameter_at(position, Dual::variable(value, 0))
                 .map_err(ModelError::from_display)?;
         }
-        _ => return Err(ModelError("only inputs and parameters can be known".into())),
     }
     let mode = run
         .system()

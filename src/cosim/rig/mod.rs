@@ -5,9 +5,13 @@ mod delay_line;
 mod derivatives;
 mod identity;
 mod input_signals;
-mod model;
 mod notice;
+mod part;
 mod state;
 mod variables;
 
-pub use model::RigModel;
+use super::component::Component;
+use crate::plant::STATES;
+
+/// A rig behind the one model interface.
+pub(super) type RigModel = Component<course::Course, { variables::CHANNELS }, STATES>;

@@ -1,10 +1,10 @@
-//! A rig's parameters and the snapshot of its run as bytes.
+//! The snapshot of a rig's run as bytes.
 
 use super::input_signals::InputSignals;
 use crate::cosim::{StateError, StateReader, StateWriter};
 use crate::friction::{ContactMode, Direction, Regime};
 use crate::integrator::{Snapshot, Statistics};
-use crate::plant::{Coupling, Rig, RigInputs, RigMode, RigState, STATES};
+use crate::plant::{Coupling, RigInputs, RigMode, RigState, STATES};
 
 type RigSnapshot = Snapshot<f64, RigMode, RigState<f64>, RigInputs<f64>>;
 
@@ -30,28 +30,6 @@ const CONTACT_MODES: [ContactMode; 11] = {
 
 /// All modes of the coupling; a state stores the place in this list.
 const COUPLINGS: [Coupling; 3] = [Coupling::Ahead, Coupling::Free, Coupling::Behind];
-
-/// Writes the values of all parameters.
-pub(super) fn write_rig(rig: &Rig<f64>, state: &mut StateWriter) {
-    for (_, section) in rig.sections() {
-        for place in 0..section.infos().len() {
-            state.real(section.get(place));
-        }
-    }
-}
-
-/// The rig built like `original` with the values that were written.
-pub(super) fn read_rig(
-    original: &Rig<f64>,
-    state: &mut StateReader<'_>,
-) -> Result<Rig<f64>, StateError> {
-    let mut rig = *original;
-    for position in 0..original.parameters().len() {
-        rig.set_parameter_at(position, state.real()?)
-            .map_err(|error| StateError::Content(error.to_string()))?;
-    }
-    Ok(rig)
-}
 
 /// Writes the snapshot of a run.
 pub(super) fn write_snapshot(snapshot: &RigSnapshot, state: &mut StateWriter) {

@@ -1,16 +1,13 @@
 //! The variable table of a rig.
 
+use crate::cosim::part::{self, Quantity};
 use crate::cosim::rows::{flag, input, parameter_row, row};
 use crate::cosim::{Causality, Initial, TableError, Variable, VariableTable};
 use crate::plant::{Rig, RigKind, index};
 
-/// What a row of the table stands for in the rig.
+/// What a rig's course computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Quantity {
-    /// Time.
-    Time,
-    /// Input number, in the order of [`Channel`].
-    Input(Channel),
+pub(in crate::cosim) enum Signal {
     /// Component of the rig's state.
     State(usize),
     /// Friction torque on a disc or in the motor.
@@ -19,8 +16,6 @@ pub(super) enum Quantity {
     Stuck(Friction),
     /// Whether the coupling is within its dead band.
     CouplingFree,
-    /// Parameter number, in the order of the rig's list.
-    Parameter(usize),
 }
 
 /// The rig's inputs.
@@ -36,7 +31,7 @@ pub(super) const CHANNELS: usize = 3;
 
 /// Where friction acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Friction {
+pub(in crate::cosim) enum Friction {
     Disc,
     Disc1,
     Motor,
@@ -46,7 +41,7 @@ pub(super) enum Friction {
 ///
 /// # Errors
 /// A unit of a parameter that cannot be expressed in SI base units.
-pub(super) fn rig_table(rig: &Rig<f64>) -> Result<(VariableTable, Vec<Quantity>), TableError> {
+pub(super) fn rig_table(rig: &Rig<f64>) -> Result<part::Rows<Signal>, TableError> {
     let full = rig.kind() == RigKind::Full;
     let mut rows = Rows::default();
     rows.add(
@@ -55,16 +50,19 @@ pub(super) fn rig_table(rig: &Rig<f64>) -> Result<(VariableTable, Vec<Quantity>)
     );
 
     let u = "Voltage at the motor's terminals";
-    rows.add(Quantity::Input(Channel::Voltage), input("u", "V", 5.0, u));
+    rows.add(
+        Quantity::Input(Channel::Voltage as usize),
+        input("u", "V", 5.0, u),
+    );
     let n2 = "Normal force of the pin on disc D2, as its load cell gives it; negative acts as zero";
     rows.add(
-        Quantity::Input(Channel::NormalForce),
+        Quantity::Input(Channel::NormalForce as usize),
         input("N2", "N", 50.0, n2),
     );
     if full {
         let n1 = "Normal force of the pin on disc D1; negative acts as zero";
         rows.add(
-            Quantity::Input(Channel::NormalForce1),
+            Quantity::Input(Channel::NormalForce1 as usize),
             input("N1", "N", 50.0, n1),
         );
     }
@@ -91,28 +89,28 @@ pub(super) fn rig_table(rig: &Rig<f64>) -> Result<(VariableTable, Vec<Quantity>)
     }
 
     rows.flag(
-        Quantity::Stuck(Friction::Disc),
+        Signal::Stuck(Friction::Disc),
         "stuck",
         "Whether disc D2 sticks to its pin",
     );
     if full {
         rows.flag(
-            Quantity::Stuck(Friction::Disc1),
+            Signal::Stuck(Friction::Disc1),
             "stuck1",
             "Whether disc D1 sticks to its pin",
         );
     }
     let text = "Whether the motor's own Coulomb friction holds it";
-    rows.flag(Quantity::Stuck(Friction::Motor), "motor_stuck", text);
+    rows.flag(Signal::Stuck(Friction::Motor), "motor_stuck", text);
     let text = "Friction torque inside the motor, on the shaft side of the gearbox";
     let torque = Variable {
         initial: Some(Initial::Calculated),
         ..row("motor_friction_torque", Causality::Local, "N.m", text)
     };
-    rows.add(Quantity::Friction(Friction::Motor), torque);
+    rows.add(Quantity::Signal(Signal::Friction(Friction::Motor)), torque);
     if rig.effects.backlash.is_some() {
         let text = "Whether the coupling is within its play and passes no torque";
-        rows.flag(Quantity::CouplingFree, "coupling_free", text);
+        rows.flag(Signal::CouplingFree, "coupling_free", text);
     }
     if rig.effects.shaft_hysteresis.is_some() {
         let text = "Torque of the shaft's relaxing part";
@@ -121,7 +119,10 @@ pub(super) fn rig_table(rig: &Rig<f64>) -> Result<(VariableTable, Vec<Quantity>)
             start: Some(0.0),
             ..row("shaft_hysteresis_torque", Causality::Local, "N.m", text)
         };
-        rows.add(Quantity::State(index::RELAXING_TORQUE), torque);
+        rows.add(
+            Quantity::Signal(Signal::State(index::RELAXING_TORQUE)),
+            torque,
+        );
     }
     for (position, parameter) in rig.parameters().iter().enumerate() {
         let start = rig.parameter_at(position);
@@ -136,11 +137,11 @@ pub(super) fn rig_table(rig: &Rig<f64>) -> Result<(VariableTable, Vec<Quantity>)
 #[derive(Default)]
 struct Rows {
     variables: Vec<Variable>,
-    quantities: Vec<Quantity>,
+    quantities: Vec<Quantity<Signal>>,
 }
 
 impl Rows {
-    fn add(&mut self, quantity: Quantity, variable: Variable) {
+    fn add(&mut self, quantity: Quantity<Signal>, variable: Variable) {
         self.variables.push(variable);
         self.quantities.push(quantity);
     }
@@ -158,7 +159,7 @@ impl Rows {
             display_unit: (unit == "rad/s").then_some("rpm"),
             ..row(name, Causality::Output, unit, description)
         };
-        self.add(Quantity::State(position), variable);
+        self.add(Quantity::Signal(Signal::State(position)), variable);
     }
 
     fn friction(&mut self, friction: Friction, name: &str, description: &str) {
@@ -166,16 +167,16 @@ impl Rows {
             initial: Some(Initial::Calculated),
             ..row(name, Causality::Output, "N.m", description)
         };
-        self.add(Quantity::Friction(friction), variable);
+        self.add(Quantity::Signal(Signal::Friction(friction)), variable);
     }
 
-    fn flag(&mut self, quantity: Quantity, name: &str, description: &str) {
-        self.add(quantity, flag(name, description));
+    fn flag(&mut self, signal: Signal, name: &str, description: &str) {
+        self.add(Quantity::Signal(signal), flag(name, description));
     }
 
     /// Adds the dependencies, which need the places of the rows, and makes the table.
-    fn finish(mut self) -> Result<(VariableTable, Vec<Quantity>), TableError> {
-        let place = |wanted: Quantity| {
+    fn finish(mut self) -> Result<part::Rows<Signal>, TableError> {
+        let place = |wanted: Quantity<Signal>| {
             self.quantities
                 .iter()
                 .position(|q| *q == wanted)
@@ -187,14 +188,18 @@ impl Rows {
             .map(|(place, _)| place)
             .collect();
         let forces = [
-            place(Quantity::Input(Channel::NormalForce)),
-            place(Quantity::Input(Channel::NormalForce1)),
+            place(Quantity::Input(Channel::NormalForce as usize)),
+            place(Quantity::Input(Channel::NormalForce1 as usize)),
         ];
         for (quantity, variable) in self.quantities.iter().zip(&mut self.variables) {
             // Everything else is a state, which no input moves at the same instant.
             variable.dependencies = match quantity {
-                Quantity::Friction(Friction::Disc) => forces[0].into_iter().collect(),
-                Quantity::Friction(Friction::Disc1) => forces[1].into_iter().collect(),
+                Quantity::Signal(Signal::Friction(Friction::Disc)) => {
+                    forces[0].into_iter().collect()
+                }
+                Quantity::Signal(Signal::Friction(Friction::Disc1)) => {
+                    forces[1].into_iter().collect()
+                }
                 _ => Vec::new(),
             };
             if variable.initial == Some(Initial::Calculated) {
