@@ -2,11 +2,85 @@
 
 use stickslip::cosim::{LOG_CATEGORIES, Variable};
 
-use super::facts::Facts;
+use super::facts::{Facts, generation_tool};
+use super::quantity::quantity_type;
 use super::xml::{Attributes, Document, XmlError};
 
+/// What the standards write each in their own way.
+pub(super) struct Dialect {
+    /// `fmiVersion`.
+    pub(super) version: &'static str,
+    /// Name of the root's attribute that holds the token.
+    pub(super) token: &'static str,
+    /// Further attributes of the root.
+    pub(super) root: fn(Attributes) -> Attributes,
+    /// Attributes of `CoSimulation`.
+    pub(super) capability_flags: fn(&Facts<'_>) -> Attributes,
+    /// `TypeDefinitions`.
+    pub(super) type_definitions: fn(&mut Document, &Facts<'_>) -> Result<(), XmlError>,
+    /// An element of `ModelVariables`.
+    pub(super) variable: fn(&mut Document, &Variable) -> Result<(), XmlError>,
+    /// `ModelStructure`.
+    pub(super) model_structure: fn(&mut Document, &Facts<'_>) -> Result<(), XmlError>,
+}
+
+/// The whole description.
+pub(super) fn description(facts: &Facts<'_>, dialect: &Dialect) -> Result<String, XmlError> {
+    // No generationDateAndTime: the same model gives the same bytes on every day.
+    let root = Attributes::new()
+        .text("fmiVersion", dialect.version)
+        .text("modelName", facts.identity.model_identifier)
+        .text(dialect.token, facts.token)
+        .text("description", facts.identity.description)
+        .text("version", env!("CARGO_PKG_VERSION"))
+        .text("license", env!("CARGO_PKG_LICENSE"))
+        .text("generationTool", generation_tool())
+        .text("variableNamingConvention", "structured");
+    let mut document = Document::new()?;
+    document.element("fmiModelDescription", (dialect.root)(root), |xml| {
+        xml.leaf("CoSimulation", (dialect.capability_flags)(facts))?;
+        unit_definitions(xml, facts)?;
+        (dialect.type_definitions)(xml, facts)?;
+        log_categories(xml)?;
+        default_experiment(xml, facts)?;
+        xml.element("ModelVariables", Attributes::new(), |xml| {
+            let variables = facts.table.variables();
+            variables
+                .iter()
+                .try_for_each(|row| (dialect.variable)(xml, row))
+        })?;
+        (dialect.model_structure)(xml, facts)
+    })?;
+    document.finish()
+}
+
+/// What every variable has: name, reference, description, causality, variability and, where the standards do not fix it,
+/// initial.
+pub(super) fn head(variable: &Variable) -> Attributes {
+    Attributes::new()
+        .text("name", &variable.name)
+        .text("valueReference", variable.value_reference.to_string())
+        .text("description", &variable.description)
+        .text("causality", variable.causality.xml())
+        .text("variability", variable.variability.xml())
+        .optional_text("initial", variable.initial.map(|initial| initial.xml()))
+}
+
+/// Type, units, limits, nominal and start of a real variable.
+pub(super) fn real(attributes: Attributes, variable: &Variable) -> Attributes {
+    let declared = variable.unit.as_deref().and_then(quantity_type);
+    attributes
+        .optional_text("declaredType", declared.map(|quantity| quantity.name))
+        .optional_text("unit", variable.unit.as_deref())
+        .optional_text("displayUnit", variable.display_unit)
+        .optional_number("min", variable.minimum)
+        .optional_number("max", variable.maximum)
+        .optional_number("nominal", variable.nominal)
+        .optional_number("start", variable.start)
+}
+
 /// `UnitDefinitions`: SI exponents and display units of every unit that a variable uses.
-pub(super) fn unit_definitions(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlError> {
+fn unit_definitions(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlError> {
     xml.element("UnitDefinitions", Attributes::new(), |xml| {
         facts.table.units().iter().try_for_each(|unit| {
             xml.element("Unit", Attributes::new().text("name", &unit.name), |xml| {
@@ -29,7 +103,7 @@ pub(super) fn unit_definitions(xml: &mut Document, facts: &Facts<'_>) -> Result<
 }
 
 /// `DefaultExperiment`: what an importer runs if nobody says otherwise.
-pub(super) fn default_experiment(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlError> {
+fn default_experiment(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlError> {
     let experiment = facts.identity.default_experiment;
     let attributes = Attributes::new()
         .number("startTime", experiment.start_time)
@@ -40,7 +114,7 @@ pub(super) fn default_experiment(xml: &mut Document, facts: &Facts<'_>) -> Resul
 }
 
 /// `LogCategories`, names as the library logs them.
-pub(super) fn log_categories(xml: &mut Document) -> Result<(), XmlError> {
+fn log_categories(xml: &mut Document) -> Result<(), XmlError> {
     xml.element("LogCategories", Attributes::new(), |xml| {
         LOG_CATEGORIES.iter().try_for_each(|category| {
             let attributes = Attributes::new()
@@ -49,14 +123,6 @@ pub(super) fn log_categories(xml: &mut Document) -> Result<(), XmlError> {
             xml.leaf("Category", attributes)
         })
     })
-}
-
-/// Causality, variability and initial, where the standards do not fix the latter.
-pub(super) fn roles(attributes: Attributes, variable: &Variable) -> Attributes {
-    attributes
-        .text("causality", variable.causality.xml())
-        .text("variability", variable.variability.xml())
-        .optional_text("initial", variable.initial.map(|initial| initial.xml()))
 }
 
 /// Start value of a Boolean, which the table holds as 0 or 1.

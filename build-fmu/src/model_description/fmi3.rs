@@ -2,39 +2,21 @@
 
 use stickslip::cosim::{MAX_OUTPUT_DERIVATIVE_ORDER, Variable, VariableType};
 
-use super::common::{boolean_start, default_experiment, log_categories, roles, unit_definitions};
-use super::facts::{Facts, generation_tool};
-use super::quantity::quantity_type;
+use super::common::{Dialect, boolean_start, description, head, real};
+use super::facts::Facts;
 use super::xml::{Attributes, Document, XmlError};
 
 pub(super) fn write(facts: &Facts<'_>) -> Result<String, XmlError> {
-    // No generationDateAndTime: the same model gives the same bytes on every day.
-    let root = Attributes::new()
-        .text("fmiVersion", "3.0")
-        .text("modelName", facts.identity.model_identifier)
-        .text("instantiationToken", facts.token)
-        .text("description", facts.identity.description)
-        .text("version", env!("CARGO_PKG_VERSION"))
-        .text("license", env!("CARGO_PKG_LICENSE"))
-        .text("generationTool", generation_tool())
-        .text("variableNamingConvention", "structured");
-    let mut document = Document::new()?;
-    document.element("fmiModelDescription", root, |xml| {
-        xml.leaf("CoSimulation", capability_flags(facts))?;
-        unit_definitions(xml, facts)?;
-        type_definitions(xml, facts)?;
-        log_categories(xml)?;
-        default_experiment(xml, facts)?;
-        xml.element("ModelVariables", Attributes::new(), |xml| {
-            facts
-                .table
-                .variables()
-                .iter()
-                .try_for_each(|row| variable(xml, row))
-        })?;
-        model_structure(xml, facts)
-    })?;
-    document.finish()
+    let dialect = Dialect {
+        version: "3.0",
+        token: "instantiationToken",
+        root: |root| root,
+        capability_flags,
+        type_definitions,
+        variable,
+        model_structure,
+    };
+    description(facts, &dialect)
 }
 
 fn capability_flags(facts: &Facts<'_>) -> Attributes {
@@ -66,24 +48,9 @@ fn type_definitions(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlErro
 }
 
 fn variable(xml: &mut Document, variable: &Variable) -> Result<(), XmlError> {
-    let head = Attributes::new()
-        .text("name", &variable.name)
-        .text("valueReference", variable.value_reference.to_string())
-        .text("description", &variable.description);
-    let head = roles(head, variable);
+    let head = head(variable);
     match variable.variable_type {
-        VariableType::Real => {
-            let declared = variable.unit.as_deref().and_then(quantity_type);
-            let attributes = head
-                .optional_text("declaredType", declared.map(|quantity| quantity.name))
-                .optional_text("unit", variable.unit.as_deref())
-                .optional_text("displayUnit", variable.display_unit)
-                .optional_number("min", variable.minimum)
-                .optional_number("max", variable.maximum)
-                .optional_number("nominal", variable.nominal)
-                .optional_number("start", variable.start);
-            xml.leaf("Float64", attributes)
-        }
+        VariableType::Real => xml.leaf("Float64", real(head, variable)),
         VariableType::Boolean => xml.leaf(
             "Boolean",
             head.optional_text("start", boolean_start(variable.start)),

@@ -60,6 +60,27 @@ unsafe fn new_instance(
     })
 }
 
+/// NULL, with the reason that this `kind` of component is not supported.
+///
+/// # Safety
+/// Pointers are NULL or as the standard describes them.
+unsafe fn no_instance(
+    function: &'static str,
+    kind: &str,
+    texts: [Text; 3],
+    logging_on: Boolean,
+    environment: *mut c_void,
+    logger: Option<Fmi3Logger>,
+) -> Handle {
+    let reason = format!("{kind} is not supported; this component is for co-simulation");
+    // SAFETY: the caller's promise about the pointers.
+    unsafe {
+        new_instance(function, texts, logging_on, environment, logger, |_| {
+            Err(reason)
+        })
+    }
+}
+
 /// `fmi3InstantiateCoSimulation`.
 ///
 /// # Safety
@@ -119,18 +140,15 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     logger: Option<Fmi3Logger>,
 ) -> Handle {
     let texts = [instance_name, token, resource_path];
-    let refuse = |_: &mut Instance| {
-        Err("model exchange is not supported; this component is for co-simulation".to_owned())
-    };
     // SAFETY: the caller's promise about the pointers.
     unsafe {
-        new_instance(
+        no_instance(
             "fmi3InstantiateModelExchange",
+            "model exchange",
             texts,
             logging_on,
             environment,
             logger,
-            refuse,
         )
     }
 }
@@ -154,18 +172,15 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _unlock_preemption: Option<PreemptionCallback>,
 ) -> Handle {
     let texts = [instance_name, token, resource_path];
-    let refuse = |_: &mut Instance| {
-        Err("scheduled execution is not supported; this component is for co-simulation".to_owned())
-    };
     // SAFETY: the caller's promise about the pointers.
     unsafe {
-        new_instance(
+        no_instance(
             "fmi3InstantiateScheduledExecution",
+            "scheduled execution",
             texts,
             logging_on,
             environment,
             logger,
-            refuse,
         )
     }
 }
