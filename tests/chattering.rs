@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use stickslip::integrator::{Guard, HybridSystem, IntegrationError, Options, Simulation};
-use stickslip::series::{Series, TERMS};
+use stickslip::series::{Series, TERMS, evaluate};
 
 /// dx/dt = −1 above zero and +1 below, with no mode for staying at zero.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,7 @@ impl Side {
 #[derive(Clone, Debug)]
 struct Jet {
     states: [Series<f64>; 1],
-    guards: [Guard<f64, ()>; 1],
+    guards: [Guard<()>; 1],
 }
 
 impl HybridSystem<f64> for Opposed {
@@ -53,8 +53,22 @@ impl HybridSystem<f64> for Opposed {
         &jet.states
     }
 
-    fn guards<'a>(&self, jet: &'a Jet) -> &'a [Guard<f64, ()>] {
+    fn guards<'a>(&self, jet: &'a Jet) -> &'a [Guard<()>] {
         &jet.guards
+    }
+
+    fn guard_at(
+        &self,
+        _: &Side,
+        (): (),
+        jet: &Jet,
+        tau: f64,
+        _: f64,
+        _: &[f64; 1],
+        (): &(),
+        _: &mut Jet,
+    ) -> f64 {
+        evaluate(&jet.guards[0].series, tau)
     }
 
     fn is_coordinate(&self, _: usize) -> bool {

@@ -14,7 +14,7 @@ use crate::files::write_atomically;
 use crate::measurement::Run;
 use crate::report::{Findings, Reference, csv, equal_error_tables, page, run_table};
 use crate::systems::{self, System};
-use crate::{cvode, gradients, ours, plot, python};
+use crate::{cvode, ours, plot, python};
 
 /// Largest difference [rad] between independent converged solutions that still makes a reference.
 const REFERENCE_AGREEMENT: f64 = 1e-9;
@@ -69,7 +69,6 @@ pub fn run(options: &Options) -> Result<bool> {
         .filter(|s| options.systems.is_empty() || options.systems.iter().any(|key| key == s.key))
         .collect();
     let mut runs: Vec<Run> = Vec::new();
-    let mut gradients = Vec::new();
     let program = wanted(Solver::Cvode).then(cvode::build).transpose()?;
     let bar = progress(systems.len() as u64);
     for system in &systems {
@@ -77,9 +76,6 @@ pub fn run(options: &Options) -> Result<bool> {
         if wanted(Solver::Stickslip) {
             doing(ours::NAME);
             runs.extend(ours::sweep(system, effort)?);
-            bar.inc(1);
-            doing("derivatives");
-            gradients.push(gradients::cost(system, effort)?);
         }
         bar.inc(1);
         if let Some(program) = &program {
@@ -113,12 +109,10 @@ pub fn run(options: &Options) -> Result<bool> {
         systems,
         references,
         runs,
-        gradients,
         setting: setting(),
     };
     println!("{}", run_table(&findings));
     println!("{}", equal_error_tables(&findings, ours::NAME));
-    println!("{}", gradients::table(&findings.gradients));
     write_atomically(&options.out.join("work-precision.csv"), &csv(&findings))?;
     write_atomically(
         &options.out.join("work-precision.svg"),
@@ -212,15 +206,6 @@ fn bars_met(findings: &Findings) -> bool {
             system.bar
         );
         met &= ratio >= system.bar;
-    }
-    for cost in &findings.gradients {
-        let (ratio, bar) = (cost.ratio(), gradients::BAR);
-        let verdict = if ratio <= bar { "met" } else { "MISSED" };
-        println!(
-            "({}) eight derivatives: {ratio:.1} plain runs (bar {bar}: {verdict})",
-            cost.system
-        );
-        met &= ratio <= bar;
     }
     met
 }

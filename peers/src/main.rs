@@ -1,17 +1,18 @@
 //! `peers`: our integrator against other solvers, and the cost of the FMU's communication step.
 //!
 //! `peers bench` runs every solver on the same systems in one process tree and writes the
-//! work-precision tables and plot to `docs/`. `peers dostep` drives the built library as an importer does.
+//! work-precision tables and plot to `docs/`. `peers dostep` drives the built library as an importer does;
+//! `peers derivatives` times sensitivities against plain runs.
 
 mod bench;
 mod cvode;
+mod derivatives;
 #[cfg(feature = "diffsol")]
 mod diffsol_rig;
 mod do_step;
 mod effort;
 mod files;
 mod fmu;
-mod gradients;
 mod measurement;
 mod ours;
 mod plot;
@@ -36,12 +37,15 @@ enum Command {
     Bench(bench::Options),
     /// Time communication steps of the built library through the C ABI, both FMI versions.
     Dostep(do_step::Options),
+    /// Time runs with eight derivatives against plain ones: every law, both rigs.
+    Derivatives(derivatives::Options),
 }
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Bench(options) => bench::run(&options),
         Command::Dostep(options) => do_step::run(&options),
+        Command::Derivatives(options) => derivatives::run(&options),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,

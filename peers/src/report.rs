@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use crate::gradients::{self, Cost};
 use crate::measurement::{Run, time_at_error};
 use crate::systems::System;
 
@@ -17,8 +16,6 @@ pub struct Findings {
     pub references: Vec<Reference>,
     /// All runs.
     pub runs: Vec<Run>,
-    /// What derivatives cost.
-    pub gradients: Vec<Cost>,
     /// Lines on machine and versions.
     pub setting: Vec<String>,
 }
@@ -209,7 +206,6 @@ pub fn page(findings: &Findings, ours: &str) -> String {
     }
     text.push_str(&equal_error_tables(findings, ours));
     text.push('\n');
-    text.push_str(&gradients::table(&findings.gradients));
     text.push_str("\nAll runs: [work-precision.csv](work-precision.csv).\n");
     text
 }

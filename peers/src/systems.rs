@@ -190,7 +190,11 @@ impl System {
     /// The same numbers as a `model.toml`.
     #[must_use]
     pub fn model_toml(&self) -> String {
-        let law = match self.law {
+        self.model_with_law(&self.law_toml())
+    }
+
+    fn law_toml(&self) -> String {
+        match self.law {
             Law::Stribeck {
                 mu_c,
                 mu_s,
@@ -211,7 +215,12 @@ impl System {
                  omega_centre = {omega_centre:?}\nacceleration_semi_axis = {acceleration_semi_axis:?}\n",
                 a[0], b[0], c[0], a[1], b[1], c[1]
             ),
-        };
+        }
+    }
+
+    /// The `model.toml` with another law, given as its lines in `[contact]`, on every disc.
+    #[must_use]
+    pub fn model_with_law(&self, law: &str) -> String {
         let contact = format!("radius = {PIN_RADIUS:?}\n{law}");
         let first_disc = self.first_disc.map_or_else(String::new, |disc| {
             format!(

@@ -81,6 +81,11 @@ impl<S: Scalar> SlipJet<S> {
             },
         }
     }
+
+    /// The series that the law's recurrences worked on.
+    pub(super) fn work(&self) -> &[Series<S>] {
+        &self.work
+    }
 }
 
 impl<S: Scalar> Slip<'_, S> {

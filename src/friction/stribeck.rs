@@ -49,3 +49,8 @@ pub(super) fn coefficient<S: Scalar>(
     excess[k] = exponential(k, weighted, excess);
     excess[k]
 }
+
+/// The exponential part, from the series that [`coefficient`] worked on.
+pub(super) fn excess(work: &[Series<f64>]) -> Series<f64> {
+    work[1]
+}

@@ -4,7 +4,7 @@
 //! to rest; 0 < α < π while it speeds up. Below the ellipse's centre the level jumps where the
 //! acceleration changes sign.
 
-use crate::series::{RECIPROCAL, Scalar, Series, convolution};
+use crate::series::{RECIPROCAL, Scalar, Series, TERMS, convolution};
 use std::f64::consts::PI;
 
 /// Two Gaussians over the angle of an ellipse in the plane of velocity and acceleration.
@@ -145,6 +145,60 @@ impl<S: Scalar> TwoGaussian<S> {
         for (m, (g, p)) in [(g1, p1), (g2, p2)].into_iter().enumerate() {
             g[k] += self.log_slope(m) * p[0] * correction;
             p[k] = convolution(&g[..=k], &alpha[..=k]) - self.peaks[m] * g[k];
+        }
+    }
+}
+
+/// Series of the level's partial derivatives: `by_motion` by slip speed and acceleration, and by the
+/// `wanted` ones of a1, b1, c1, a2, b2, c2, V_c and A; from the series that the recurrences worked on.
+pub(super) fn slopes(
+    law: &TwoGaussian<f64>,
+    speed: &Series<f64>,
+    work: &[Series<f64>],
+    order: usize,
+    by_motion: &mut [Series<f64>; 2],
+    by_parameter: &mut [Series<f64>],
+    wanted: &[bool],
+) {
+    let [x, _, y, _, square, alpha, _, g1, p1, g2, p2, ..] = work else {
+        return;
+    };
+    let (centre, semi_axis) = (law.omega_centre, law.acceleration_semi_axis);
+    let steepness = [0, 1].map(|m| law.heights[m] * law.log_slope(m));
+    // ∂level/∂α over the square of the radius: dα = (x dy − y dx)/(x² + y²).
+    let mut by_alpha = [0.0; TERMS];
+    let [by_speed, by_rate] = by_motion;
+    for k in 0..=order {
+        let direct = steepness[0] * p1[k] + steepness[1] * p2[k];
+        let earlier = convolution(&square[1..=k], &by_alpha[..k]);
+        by_alpha[k] = (direct - earlier) / square[0];
+        by_speed[k] = -convolution(&by_alpha[..=k], &y[..=k]) / centre;
+        by_rate[k] = convolution(&by_alpha[..=k], &x[..=k]) / semi_axis;
+    }
+    for (m, (g, p)) in [(g1, p1), (g2, p2)].into_iter().enumerate() {
+        let [by_height, by_peak, by_width] = [3 * m, 3 * m + 1, 3 * m + 2];
+        if wanted[by_height] {
+            by_parameter[by_height] = *g;
+        }
+        if wanted[by_peak] {
+            by_parameter[by_peak] = p.map(|p| -steepness[m] * p);
+        }
+        if wanted[by_width] {
+            let scale = -steepness[m] / law.widths[m];
+            for k in 0..=order {
+                let product = convolution(&p[..=k], &alpha[..=k]) - law.peaks[m] * p[k];
+                by_parameter[by_width][k] = scale * product;
+            }
+        }
+    }
+    if wanted[6] {
+        for k in 0..=order {
+            by_parameter[6][k] = -convolution(&by_speed[..=k], &speed[..=k]) / centre;
+        }
+    }
+    if wanted[7] {
+        for k in 0..=order {
+            by_parameter[7][k] = -convolution(&by_rate[..=k], &y[..=k]);
         }
     }
 }

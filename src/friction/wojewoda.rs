@@ -3,7 +3,7 @@
 use super::random_function::{HARMONICS, RandomFunction};
 use super::stribeck::{self, Stribeck};
 use crate::parameter::{Range, section};
-use crate::series::{Scalar, Series, cosine_sine};
+use crate::series::{Scalar, Series, TERMS, cosine_sine};
 
 section! {
     /// Friction that is higher while the contact speeds up than while it slows down:
@@ -73,4 +73,40 @@ pub(super) fn excess<S: Scalar>(
         }
     }
     deterministic + span * law.stochastic_amplitude * sum * RandomFunction::amplitude()
+}
+
+/// The random part f_r along a motion, and its derivative by the disc's angle [per rad].
+pub(super) struct RandomPart {
+    pub value: Series<f64>,
+    pub by_angle: Series<f64>,
+}
+
+/// The exponential part of [`excess`] and, if there is one, the random part, from the series that
+/// `excess` worked on.
+pub(super) fn parts(
+    law: &Wojewoda<f64>,
+    work: &[Series<f64>],
+    order: usize,
+) -> (Series<f64>, Option<RandomPart>) {
+    let (curve, random) = work.split_at(stribeck::WORKSPACE);
+    let exponential = stribeck::excess(curve);
+    let [_, wave_numbers, waves @ ..] = random else {
+        return (exponential, None);
+    };
+    if law.stochastic_amplitude == 0.0 {
+        return (exponential, None);
+    }
+    let mut part = RandomPart {
+        value: [0.0; TERMS],
+        by_angle: [0.0; TERMS],
+    };
+    let scale = RandomFunction::amplitude();
+    for m in 0..HARMONICS {
+        let (cosine, sine) = (&waves[2 * m], &waves[2 * m + 1]);
+        for k in 0..=order {
+            part.value[k] += scale * cosine[k];
+            part.by_angle[k] -= scale * wave_numbers[m] * sine[k];
+        }
+    }
+    (exponential, Some(part))
 }

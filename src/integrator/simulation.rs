@@ -25,7 +25,7 @@ const GRAZING: f64 = 10.0;
 
 /// Share of the tolerance for segments without fast transients: they are as long as it allows, where
 /// the others are kept short, and so more accurate, by the fast modes.
-const SETTLED_SHARE: f64 = 0.01;
+pub(crate) const SETTLED_SHARE: f64 = 0.01;
 
 /// Orders that the recurrences can carry: they write one coefficient beyond the last.
 const ORDERS: RangeInclusive<usize> = 4..=TERMS - 2;
@@ -120,6 +120,8 @@ pub struct Simulation<S: Scalar, P: HybridSystem<S>> {
     end: End<P::GuardKind>,
     departing: bool,
     jet: P::Jet,
+    /// For what guards depend on; only with derivatives.
+    spare: Option<Box<P::Jet>>,
     statistics: Statistics,
     instant: f64,
     simultaneous: u32,
@@ -143,6 +145,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             });
         }
         let mut jet = system.new_jet();
+        let spare = S::HAS_DERIVATIVES.then(|| Box::new(system.new_jet()));
         let mut state = state;
         let start = S::constant(time);
         let mode = system.initial_mode(start, &mut state, &inputs, &mut jet);
@@ -157,6 +160,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             end: End::Step,
             departing: false,
             jet,
+            spare,
             statistics: Statistics::default(),
             instant: time,
             simultaneous: 0,
@@ -334,6 +338,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
     pub fn set_system(&mut self, time: f64, system: P) -> Result<(), IntegrationError> {
         self.cut(time)?;
         self.jet = system.new_jet();
+        self.spare = S::HAS_DERIVATIVES.then(|| Box::new(system.new_jet()));
         self.system = system;
         self.expand()
     }
@@ -434,6 +439,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         if step.is_nan() {
             return Err(self.overflow());
         }
+        step = step.min(self.system.reach(&self.jet));
         self.end = End::Step;
         if let Some(tau) = self.system.fold(&self.jet) {
             if tau <= step {
@@ -450,16 +456,13 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             if lower_bound(&guard.series[..=order], step) > 0.0 && !self.departing {
                 continue;
             }
-            let mut plain = [0.0; TERMS];
-            for (p, c) in plain.iter_mut().zip(&guard.series[..=order]) {
-                *p = c.value();
-            }
+            let series = &guard.series[..=order];
             // Bounds that are not finite would exclude nothing, and the search would never end.
-            if !evaluate(&plain.map(f64::abs)[..=order], reach).is_finite() {
+            if !evaluate(&guard.series.map(f64::abs)[..=order], reach).is_finite() {
                 return Err(self.overflow());
             }
             // Of guards that are lost together the first counts: the next segment looks at the others.
-            if let Some(tau) = loss(&plain[..=order], reach, step, self.departing)
+            if let Some(tau) = loss(series, reach, step, self.departing)
                 && (tau < step || lost.is_none())
             {
                 step = tau;
@@ -477,24 +480,42 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         self.length = S::constant(step);
         if let Some(position) = lost {
             let guard = &self.system.guards(&self.jet)[position];
-            self.end = End::Switch(guard.kind);
-            // The switch moves with whatever the guard's value depends on.
-            let tau = self.length;
+            let kind = guard.kind;
+            self.end = End::Switch(kind);
             let series = &guard.series[..=order];
-            let value = evaluate(series, tau);
-            let slope = evaluate_derivative(series, tau).value();
-            let size = series[0].value().abs().max(1e-3);
+            let slope = evaluate_derivative(series, step);
+            let size = series[0].abs().max(1e-3);
             let bend = second_derivative(series, step).max(0.0);
             // It dips below zero by slope²/(2 bend) before it rises again.
             let depth = GRAZING * self.options.tolerance * size;
             if slope * slope > 2.0 * bend * depth && slope.abs() > 1e-9 * size {
-                self.length = tau - (value - value.value()) * (1.0 / slope);
+                self.move_switch(kind, step, slope);
             } else {
                 self.statistics.grazing += 1;
             }
         }
         self.expanded = true;
         Ok(())
+    }
+
+    /// Lets the instant of the switch at local time `tau` depend on whatever its guard, which falls with
+    /// `slope`, depends on.
+    fn move_switch(&mut self, guard: P::GuardKind, tau: f64, slope: f64) {
+        let state = self.state_after(S::constant(tau));
+        let Some(spare) = &mut self.spare else {
+            return;
+        };
+        let value = self.system.guard_at(
+            &self.mode,
+            guard,
+            &self.jet,
+            tau,
+            self.start + tau,
+            &state,
+            &self.inputs,
+            spare,
+        );
+        self.length = S::constant(tau) - (value - value.value()) * (1.0 / slope);
     }
 
     /// Coefficients overflow where a time constant is extremely short or an input absurdly large.
@@ -550,10 +571,10 @@ fn evaluate_all<S: Scalar>(series: &[Series<S>], order: usize, tau: S, values: &
 }
 
 /// Second derivative of the polynomial with these coefficients at `tau`.
-fn second_derivative<S: Scalar>(coefficients: &[S], tau: f64) -> f64 {
+fn second_derivative(coefficients: &[f64], tau: f64) -> f64 {
     let mut sum = 0.0;
     for (k, c) in coefficients.iter().enumerate().skip(2).rev() {
-        sum = sum * tau + c.value() * (k * (k - 1)) as f64;
+        sum = sum * tau + c * (k * (k - 1)) as f64;
     }
     sum
 }

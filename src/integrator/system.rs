@@ -5,11 +5,11 @@ use std::fmt::Debug;
 
 /// A condition that holds, as a non-negative series, as long as a mode is the right one.
 #[derive(Clone, Debug)]
-pub struct Guard<S, K> {
+pub struct Guard<K> {
     /// What is watched.
     pub kind: K,
     /// The watched quantity; the mode ends where it becomes negative.
-    pub series: Series<S>,
+    pub series: Series<f64>,
 }
 
 /// A system that is analytic within each of its modes and changes mode where a guard is lost.
@@ -62,8 +62,30 @@ pub trait HybridSystem<S: Scalar> {
     /// The state's series in an expanded jet.
     fn states<'a>(&self, jet: &'a Self::Jet) -> &'a [Series<S>];
 
+    /// The longest segment [s] at which the derivatives in an expanded jet hold; the states' values are the
+    /// integrator's business.
+    fn reach(&self, _jet: &Self::Jet) -> f64 {
+        f64::INFINITY
+    }
+
     /// The guards of an expanded jet.
-    fn guards<'a>(&self, jet: &'a Self::Jet) -> &'a [Guard<S, Self::GuardKind>];
+    fn guards<'a>(&self, jet: &'a Self::Jet) -> &'a [Guard<Self::GuardKind>];
+
+    /// The quantity that `guard` watches, with its derivatives, at local time `tau` of the segment in
+    /// `jet`, where the time is `time` and the state `state`; its value may differ by rounding from that
+    /// of the guard's series. `spare` may be overwritten. Only numbers with derivatives are asked.
+    #[allow(clippy::too_many_arguments)]
+    fn guard_at(
+        &self,
+        mode: &Self::Mode,
+        guard: Self::GuardKind,
+        jet: &Self::Jet,
+        tau: f64,
+        time: S,
+        state: &Self::State,
+        inputs: &Self::Inputs,
+        spare: &mut Self::Jet,
+    ) -> S;
 
     /// Whether component `index` of the state is an angle-like coordinate whose size says nothing
     /// about the accuracy wanted: its tolerance is absolute.

@@ -12,7 +12,7 @@ use super::tangent::Tangent;
 use super::{Coupling, Rig, RigGuard, RigInputs, RigMode, RigState, STATES};
 use crate::friction::{ContactMode, HARMONICS, Law, RandomFunction, Slip, SlipJet};
 use crate::integrator::Guard;
-use crate::series::{RECIPROCAL, Scalar, Series, TERMS, convolution, cosine_sine};
+use crate::series::{RECIPROCAL, Scalar, Series, TERMS, convolution, cosine_sine, evaluate};
 
 /// Seconds over which the drifts of wear and of resistance are stated.
 const MINUTE: f64 = 60.0;
@@ -78,8 +78,10 @@ pub struct RigJet<S> {
     slow: SlowMotions<S>,
     /// For numbers with derivatives and rigs without effects.
     pub(super) tangent: Option<Box<Tangent<S>>>,
+    /// Whether the motion of this segment is in `tangent`, and only the states' series are here.
+    pub(super) follows_tangent: bool,
     pub(super) effects: Option<Box<EffectJet<S>>>,
-    pub(super) guards: Vec<Guard<S, RigGuard>>,
+    pub(super) guards: Vec<Guard<RigGuard>>,
     pub(super) order: usize,
     /// Orders that the second pass of the last segment on the slow manifold corrected.
     pub(super) corrected: usize,
@@ -154,6 +156,7 @@ impl<S: Scalar> RigJet<S> {
             voltage_is_constant: true,
             parts,
             tangent,
+            follows_tangent: false,
             slow: if rig.outer.is_some() {
                 SlowMotions::Full(Box::new(SlowMotion::new()))
             } else {
@@ -166,25 +169,55 @@ impl<S: Scalar> RigJet<S> {
         }
     }
 
-    /// Friction torque on disc D2 [N m].
-    pub fn friction_torque(&self) -> &[S] {
-        &self.disc.torque[..=self.order]
+    /// Friction torques on D2, on D1 (in the full rig) and inside the motor. Their derivatives are known
+    /// only of expansions to orders below those of a run.
+    pub(crate) fn torques(&self) -> (&[S], Option<&[S]>, &[S]) {
+        let outer = self.disc1.as_ref();
+        (
+            &self.disc.torque[..=self.order],
+            outer.map(|pin| &pin.torque[..=self.order]),
+            &self.motor_torque[..=self.order],
+        )
     }
 
-    /// Friction torque on disc D1 [N m], in the full rig.
-    pub fn friction_torque_1(&self) -> Option<&[S]> {
-        self.disc1.as_ref().map(|pin| &pin.torque[..=self.order])
+    /// Friction torque on disc D2 [N m] at local time `tau` [s], without derivatives.
+    pub fn friction_torque_at(&self, tau: f64) -> f64 {
+        match self.motion() {
+            Some((_, plain)) => evaluate(plain.friction_torque(), tau),
+            None => evaluate(&self.disc.torque[..=self.order], S::constant(tau)).value(),
+        }
     }
 
-    /// Friction torque inside the motor, on the shaft side of the gearbox [N m].
-    pub fn motor_friction_torque(&self) -> &[S] {
-        &self.motor_torque[..=self.order]
+    /// The plain rig and its jet, where they carry the motion of this segment.
+    pub(super) fn motion(&self) -> Option<(&Rig<f64>, &RigJet<f64>)> {
+        let tangent = self.tangent.as_ref().filter(|_| self.follows_tangent)?;
+        Some((&tangent.rig, &tangent.jet))
     }
 
     /// Smallest 1 + (∂T/∂a)/J of the discs' algebraic loops at the segment's start.
     pub fn loop_margin(&self) -> f64 {
+        if let Some((_, plain)) = self.motion() {
+            return plain.loop_margin();
+        }
         let outer = self.disc1.as_ref().map_or(1.0, |pin| pin.slip.margin);
         self.disc.slip.margin.min(outer)
+    }
+}
+
+impl RigJet<f64> {
+    /// Friction torque on disc D2 [N m].
+    pub fn friction_torque(&self) -> &[f64] {
+        &self.disc.torque[..=self.order]
+    }
+
+    /// Friction torque on disc D1 [N m], in the full rig.
+    pub fn friction_torque_1(&self) -> Option<&[f64]> {
+        self.disc1.as_ref().map(|pin| &pin.torque[..=self.order])
+    }
+
+    /// Friction torque inside the motor, on the shaft side of the gearbox [N m].
+    pub fn motor_friction_torque(&self) -> &[f64] {
+        &self.motor_torque[..=self.order]
     }
 }
 
@@ -201,10 +234,12 @@ impl<S: Scalar> Rig<S> {
         jet: &mut RigJet<S>,
     ) {
         let varying = self.start(time, state, inputs, order, jet);
+        jet.follows_tangent = self.expand_tangent(mode, time, state, inputs, order, jet);
+        if jet.follows_tangent {
+            return;
+        }
         if jet.effects.is_none() {
-            if !self.expand_tangent(mode, time, state, inputs, order, jet) {
-                self.expand_plain(mode, inputs, order, jet);
-            }
+            self.expand_plain(mode, inputs, order, jet);
             self.set_guards(mode, jet);
             return;
         }
@@ -244,7 +279,8 @@ impl<S: Scalar> Rig<S> {
             SlowMotions::InUse => false,
         };
         jet.slow = motions;
-        if found {
+        jet.follows_tangent = found && jet.tangent.is_some();
+        if found && !jet.follows_tangent {
             self.set_guards(mode, jet);
         }
         found

@@ -7,21 +7,74 @@ use crate::friction::{ContactMode, Direction, Law, Regime};
 use crate::integrator::Guard;
 use crate::series::{Scalar, Series, TERMS, convolution};
 
+/// Takes what is watched in a mode: the guard and the coefficients of its quantity.
+trait Watcher<S> {
+    fn watch(&mut self, kind: RigGuard, coefficient: impl Fn(usize) -> S);
+}
+
+/// Collects the series of all guards, without derivatives.
+struct Collection<'a> {
+    guards: &'a mut Vec<Guard<RigGuard>>,
+    order: usize,
+}
+
+impl<S: Scalar> Watcher<S> for Collection<'_> {
+    #[inline]
+    fn watch(&mut self, kind: RigGuard, coefficient: impl Fn(usize) -> S) {
+        let mut series = [0.0; TERMS];
+        for (k, c) in series.iter_mut().enumerate().take(self.order + 1) {
+            *c = coefficient(k).value();
+        }
+        self.guards.push(Guard { kind, series });
+    }
+}
+
+/// Finds the present value of one guard.
+struct Present<S> {
+    wanted: RigGuard,
+    value: S,
+}
+
+impl<S: Scalar> Watcher<S> for Present<S> {
+    fn watch(&mut self, kind: RigGuard, coefficient: impl Fn(usize) -> S) {
+        if kind == self.wanted {
+            self.value = coefficient(0);
+        }
+    }
+}
+
 impl<S: Scalar> Rig<S> {
     /// Collects the guards of `mode` from the series just computed.
     pub(super) fn set_guards(&self, mode: &RigMode, jet: &mut RigJet<S>) {
+        let mut guards = std::mem::take(&mut jet.guards);
+        guards.clear();
+        let mut collection = Collection {
+            guards: &mut guards,
+            order: jet.order,
+        };
+        self.watch(mode, jet, &mut collection);
+        jet.guards = guards;
+    }
+
+    /// Quantity that `guard` watches in `mode` at the start of the segment in `jet`.
+    pub(super) fn guard_value(&self, mode: &RigMode, guard: RigGuard, jet: &RigJet<S>) -> S {
+        let mut present = Present {
+            wanted: guard,
+            value: S::ZERO,
+        };
+        self.watch(mode, jet, &mut present);
+        present.value
+    }
+
+    fn watch(&self, mode: &RigMode, jet: &RigJet<S>, watcher: &mut impl Watcher<S>) {
         let RigJet {
             states,
             disc,
             disc1,
             motor_torque,
             twist,
-            guards,
-            order,
             ..
         } = jet;
-        let order = *order;
-        guards.clear();
         pin_guards(
             Contact::Disc,
             mode.disc,
@@ -29,8 +82,7 @@ impl<S: Scalar> Rig<S> {
             &states[OMEGA],
             disc,
             mode.near[0],
-            order,
-            guards,
+            watcher,
         );
         if let (Some(outer), Some(pin)) = (&self.outer, disc1.as_ref()) {
             pin_guards(
@@ -40,8 +92,7 @@ impl<S: Scalar> Rig<S> {
                 &states[OMEGA1],
                 pin,
                 mode.near[1],
-                order,
-                guards,
+                watcher,
             );
         }
         match mode.motor {
@@ -49,22 +100,15 @@ impl<S: Scalar> Rig<S> {
                 let limit = self.gearbox.ratio * self.motor.coulomb_torque;
                 for direction in [Direction::Forward, Direction::Backward] {
                     let sign = direction.sign();
-                    push(
-                        guards,
-                        RigGuard::Breakaway(Contact::Motor, direction),
-                        order,
-                        |k| {
-                            let held = motor_torque[k] * -sign;
-                            if k == 0 { limit + held } else { held }
-                        },
-                    );
+                    watcher.watch(RigGuard::Breakaway(Contact::Motor, direction), |k| {
+                        let held = motor_torque[k] * -sign;
+                        if k == 0 { limit + held } else { held }
+                    });
                 }
             }
             ContactMode::Breaking(direction) | ContactMode::Slipping(direction, _) => {
                 let sign = direction.sign();
-                push(guards, RigGuard::Rest(Contact::Motor), order, |k| {
-                    states[OMEGA3][k] * sign
-                });
+                watcher.watch(RigGuard::Rest(Contact::Motor), |k| states[OMEGA3][k] * sign);
             }
         }
         if let Some(backlash) = &self.effects.backlash {
@@ -79,43 +123,21 @@ impl<S: Scalar> Rig<S> {
             match mode.coupling {
                 Coupling::Ahead => {
                     let f = distance(1.0, 1.0);
-                    push(guards, RigGuard::Play(Coupling::Free), order, |k| {
-                        f(k, twist)
-                    });
+                    watcher.watch(RigGuard::Play(Coupling::Free), |k| f(k, twist));
                 }
                 Coupling::Behind => {
                     let f = distance(-1.0, 1.0);
-                    push(guards, RigGuard::Play(Coupling::Free), order, |k| {
-                        f(k, twist)
-                    });
+                    watcher.watch(RigGuard::Play(Coupling::Free), |k| f(k, twist));
                 }
                 Coupling::Free => {
                     let f = distance(1.0, -1.0);
-                    push(guards, RigGuard::Play(Coupling::Ahead), order, |k| {
-                        f(k, twist)
-                    });
+                    watcher.watch(RigGuard::Play(Coupling::Ahead), |k| f(k, twist));
                     let f = distance(-1.0, -1.0);
-                    push(guards, RigGuard::Play(Coupling::Behind), order, |k| {
-                        f(k, twist)
-                    });
+                    watcher.watch(RigGuard::Play(Coupling::Behind), |k| f(k, twist));
                 }
             }
         }
     }
-}
-
-#[inline]
-fn push<S: Scalar>(
-    guards: &mut Vec<Guard<S, RigGuard>>,
-    kind: RigGuard,
-    order: usize,
-    coefficient: impl Fn(usize) -> S,
-) {
-    let mut series = [S::ZERO; TERMS];
-    for (k, c) in series.iter_mut().enumerate().take(order + 1) {
-        *c = coefficient(k);
-    }
-    guards.push(Guard { kind, series });
 }
 
 #[allow(clippy::too_many_arguments)]
@@ -126,8 +148,7 @@ fn pin_guards<S: Scalar>(
     omega: &Series<S>,
     pin: &PinJet<S>,
     near: f64,
-    order: usize,
-    guards: &mut Vec<Guard<S, RigGuard>>,
+    watcher: &mut impl Watcher<S>,
 ) {
     let (band, _) = law.band();
     let at_zero = |k: usize, value: S| if k == 0 { value } else { S::ZERO };
@@ -138,34 +159,28 @@ fn pin_guards<S: Scalar>(
         } else {
             1.0
         };
-        push(guards, RigGuard::Load(contact), order, |k| moving[k] * sign);
+        watcher.watch(RigGuard::Load(contact), |k| moving[k] * sign);
     }
     match mode {
         ContactMode::Stuck => {
             for direction in [Direction::Forward, Direction::Backward] {
                 let sign = direction.sign();
-                push(
-                    guards,
-                    RigGuard::Breakaway(contact, direction),
-                    order,
-                    |k| pin.breakaway[k] + pin.resisting[k] * sign,
-                );
+                watcher.watch(RigGuard::Breakaway(contact, direction), |k| {
+                    pin.breakaway[k] + pin.resisting[k] * sign
+                });
             }
         }
         ContactMode::Breaking(direction) => {
             let sign = direction.sign();
-            push(
-                guards,
-                RigGuard::LeaveBand(contact, direction),
-                order,
-                |k| at_zero(k, band) - omega[k] * sign,
-            );
-            push(guards, RigGuard::Calm(contact), order, |k| {
+            watcher.watch(RigGuard::LeaveBand(contact, direction), |k| {
+                at_zero(k, band) - omega[k] * sign
+            });
+            watcher.watch(RigGuard::Calm(contact), |k| {
                 -(pin.resisting[k] * sign) - pin.breakaway[k]
             });
         }
         ContactMode::Slipping(direction, regime) => {
-            push(guards, RigGuard::Rest(contact), order, |k| {
+            watcher.watch(RigGuard::Rest(contact), |k| {
                 omega[k] * direction.sign() - at_zero(k, band)
             });
             if !law.has_branches() || pin.slip.branches_meet {
@@ -185,35 +200,22 @@ fn pin_guards<S: Scalar>(
                 };
                 let kind = RigGuard::Turn(contact, earlier);
                 if pin.slip.between {
-                    push(guards, kind, order, |k| at_zero(k, S::constant(-1.0)));
+                    watcher.watch(kind, |k| at_zero(k, S::constant(-1.0)));
                 } else {
-                    push(guards, kind, order, |k| {
-                        pin.slip.acceleration[k] * earlier.sign()
-                    });
+                    watcher.watch(kind, |k| pin.slip.acceleration[k] * earlier.sign());
                 }
                 return;
             }
             // While the speed is held the reaction lies between the two branches.
             let branch = |k: usize, level: &Series<S>| convolution(&pin.load[..=k], &level[..=k]);
-            push(
-                guards,
-                RigGuard::Release(contact, Direction::Forward),
-                order,
-                |k| {
-                    branch(k, &pin.slip.level) + at_zero(k, pin.constant_torque)
-                        - pin.slip.torque[k]
-                },
-            );
-            push(
-                guards,
-                RigGuard::Release(contact, Direction::Backward),
-                order,
-                |k| {
-                    pin.slip.torque[k]
-                        - branch(k, &pin.slip.lower_level)
-                        - at_zero(k, pin.constant_torque)
-                },
-            );
+            watcher.watch(RigGuard::Release(contact, Direction::Forward), |k| {
+                branch(k, &pin.slip.level) + at_zero(k, pin.constant_torque) - pin.slip.torque[k]
+            });
+            watcher.watch(RigGuard::Release(contact, Direction::Backward), |k| {
+                pin.slip.torque[k]
+                    - branch(k, &pin.slip.lower_level)
+                    - at_zero(k, pin.constant_torque)
+            });
         }
     }
 }

@@ -17,7 +17,6 @@ mod sections;
 mod sensitivity;
 mod slow_manifold;
 mod slow_motion;
-mod slow_tangent;
 mod switching;
 mod tangent;
 

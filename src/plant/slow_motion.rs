@@ -8,7 +8,7 @@ use super::plain_motion::Pin;
 use super::slow_manifold::{
     CURRENT, DISC, DISC_1, DiscMotion, MOTOR, Regimes, SlowManifold, TWIST, TWIST_1, dot,
 };
-use super::slow_tangent::{Owed, SlowVariation};
+use super::tangent::SlowTangent;
 use super::{INPUT_TERMS, RigInputs, RigMode, RigState};
 use crate::friction::{ContactMode, Regime};
 use crate::integrator::step_from_last_terms;
@@ -26,7 +26,7 @@ const SHARE: f64 = 0.01;
 #[derive(Clone, Debug)]
 pub(super) struct SlowMotion<S, const N: usize> {
     /// For numbers with derivatives.
-    owed: Option<Box<Owed<S, N>>>,
+    tangent: Option<Box<SlowTangent<S, N>>>,
     found: Vec<(Regimes, Option<SlowManifold<S, N>>)>,
     /// Coefficients of the transformed slow and fast variables and of the forcing of the fast ones.
     pub slow: [[S; N]; TERMS],
@@ -46,7 +46,7 @@ struct Drive<S> {
 impl<S: Scalar, const N: usize> SlowMotion<S, N> {
     pub fn new() -> Self {
         Self {
-            owed: S::HAS_DERIVATIVES.then(|| Box::new(Owed::new())),
+            tangent: S::HAS_DERIVATIVES.then(|| Box::new(SlowTangent::new())),
             // A run meets three or four: disc and motor stuck and sliding.
             found: Vec::with_capacity(4),
             slow: [[S::ZERO; N]; TERMS],
@@ -82,6 +82,18 @@ impl<S: Scalar, const N: usize> SlowMotion<S, N> {
     }
 }
 
+/// Largest derivative of the fast variables' misses, relative to those of the state.
+pub(super) fn derivatives_missed<S: Scalar>(missed: &[S; 2], state: &RigState<S>) -> f64 {
+    let (mut size, mut whole) = (S::ZERO, S::ZERO);
+    for x in missed {
+        size.enlarge(1.0, x);
+    }
+    for x in state {
+        whole.enlarge(1.0, x);
+    }
+    size.largest_share(&whole)
+}
+
 fn regimes(mode: &RigMode) -> Regimes {
     Regimes {
         discs: [disc_motion(mode.disc), disc_motion(mode.disc1)],
@@ -111,14 +123,10 @@ impl<S: Scalar> Rig<S> {
         work: &mut SlowMotion<S, N>,
         jet: &mut RigJet<S>,
     ) -> bool {
-        let pins = jet.tangent.is_some().then(|| self.pin_tangents(mode, jet));
-        let Some((disc, disc1)) = pins.flatten() else {
+        let (Some(mut tangent), Some(slow)) = (jet.tangent.take(), work.tangent.as_mut()) else {
             return self.expand_slow_motion(mode, state, inputs, order, tolerance, work, jet);
         };
-        let (Some(mut tangent), Some(mut owed)) = (jet.tangent.take(), work.owed.take()) else {
-            return false;
-        };
-        tangent.set_tolerance(tolerance, order);
+        tangent.set_tolerance(tolerance);
         let mut found = tangent.rig.expand_without_transients(
             mode,
             time.value(),
@@ -128,20 +136,17 @@ impl<S: Scalar> Rig<S> {
             tolerance,
             &mut tangent.jet,
         );
-        if found && let Some(manifold) = owed.manifold(&tangent.jet.parts, regimes(mode)) {
-            let variation = SlowVariation {
-                mode,
-                inputs,
-                tangent: &tangent,
-                manifold: &manifold,
-                disc: &disc,
-                disc1: disc1.as_ref(),
-                corrected: tangent.jet.corrected,
-            };
-            found = variation.expand(state, order, tolerance, work, &mut owed, jet);
+        if found {
+            for top in tangent.orders(order) {
+                tangent.linearise(mode, inputs, (top, order), jet);
+                found = slow.expand(regimes(mode), state, top, tolerance, &mut tangent, jet);
+                if !found || tangent.judge(top, order, jet) {
+                    tangent.rest(top, order, jet);
+                    break;
+                }
+            }
         }
         jet.tangent = Some(tangent);
-        work.owed = Some(owed);
         found
     }
 
@@ -231,7 +236,7 @@ impl<S: Scalar> Rig<S> {
         let found = work.fast[0];
         let missed = [found[0] - fast[0], found[1] - fast[1]];
         let within = |j: usize| missed[j].value().abs() <= allowed[j];
-        if !(within(0) && within(1) && S::derivatives_vanish(&missed, state, tolerance)) {
+        if !(within(0) && within(1) && derivatives_missed(&missed, state) <= tolerance) {
             return false;
         }
         self.assemble(&manifold, motor_friction, inputs, pins, order, work, jet);

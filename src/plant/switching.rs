@@ -5,7 +5,7 @@ use super::index::{OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3
 use super::{Contact, Coupling, Rig, RigGuard, RigInputs, RigJet, RigMode, RigState};
 use crate::friction::{ContactMode, Direction, Law, Regime};
 use crate::integrator::{Guard, HybridSystem};
-use crate::series::{Scalar, Series, TERMS, evaluate, first_vertical_tangent};
+use crate::series::{Scalar, Series, TERMS, evaluate, evaluate_derivative, first_vertical_tangent};
 
 /// Margin 1 + (∂T/∂a)/J below which the algebraic loop may be about to fold.
 const FOLD_MARGIN: f64 = 0.5;
@@ -161,6 +161,9 @@ impl<S: Scalar> Rig<S> {
 
 /// Local times at which the loops of D2 and D1 fold, as far as they do soon.
 fn folds<S: Scalar>(jet: &RigJet<S>) -> [Option<f64>; 2] {
+    if let Some((_, plain)) = jet.motion() {
+        return folds(plain);
+    }
     let fold = |pin: &PinJet<S>| {
         if pin.slip.margin >= FOLD_MARGIN {
             return None;
@@ -172,6 +175,15 @@ fn folds<S: Scalar>(jet: &RigJet<S>) -> [Option<f64>; 2] {
         first_vertical_tangent(&plain[..=jet.order])
     };
     [fold(&jet.disc), jet.disc1.as_deref().and_then(fold)]
+}
+
+/// Position of a contact's velocity in the state.
+fn velocity_of(contact: Contact) -> usize {
+    match contact {
+        Contact::Disc => OMEGA,
+        Contact::Disc1 => OMEGA1,
+        Contact::Motor => OMEGA3,
+    }
 }
 
 /// Evaluates only the value of a series.
@@ -229,8 +241,49 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
         &jet.states[..used]
     }
 
-    fn guards<'a>(&self, jet: &'a RigJet<S>) -> &'a [Guard<S, RigGuard>] {
-        &jet.guards
+    fn reach(&self, jet: &RigJet<S>) -> f64 {
+        let tangent = jet.tangent.as_ref().filter(|_| jet.follows_tangent);
+        tangent.map_or(f64::INFINITY, |tangent| tangent.reach)
+    }
+
+    fn guards<'a>(&self, jet: &'a RigJet<S>) -> &'a [Guard<RigGuard>] {
+        match jet.motion() {
+            Some((_, plain)) => &plain.guards,
+            None => &jet.guards,
+        }
+    }
+
+    fn guard_at(
+        &self,
+        mode: &RigMode,
+        guard: RigGuard,
+        jet: &RigJet<S>,
+        tau: f64,
+        time: S,
+        state: &RigState<S>,
+        inputs: &RigInputs<S>,
+        spare: &mut RigJet<S>,
+    ) -> S {
+        let sliding = |contact: Contact| match mode.contact(contact) {
+            ContactMode::Slipping(direction, _) => direction.sign(),
+            ContactMode::Stuck | ContactMode::Breaking(_) => 1.0,
+        };
+        match guard {
+            RigGuard::Rest(contact) => {
+                let band = self.law_of(contact).map_or(S::ZERO, |law| law.band().0);
+                state[velocity_of(contact)] * sliding(contact) - band
+            }
+            RigGuard::Turn(contact, earlier) => {
+                let velocity = &jet.states[velocity_of(contact)][..=jet.order];
+                let acceleration = evaluate_derivative(velocity, S::constant(tau));
+                acceleration * (sliding(contact) * earlier.sign())
+            }
+            _ => {
+                let mode = self.carry(mode, jet, tau);
+                self.expand_motion(&mode, time, state, inputs, 0, spare);
+                self.guard_value(&mode, guard, spare)
+            }
+        }
     }
 
     fn is_coordinate(&self, index: usize) -> bool {
@@ -238,6 +291,9 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
     }
 
     fn carry(&self, mode: &RigMode, jet: &RigJet<S>, tau: f64) -> RigMode {
+        if let Some((rig, plain)) = jet.motion() {
+            return rig.carry(mode, plain, tau);
+        }
         let mut mode = *mode;
         mode.folded = [false; 2];
         if self.law.has_branches() && matches!(mode.disc, ContactMode::Slipping(..)) {
@@ -318,11 +374,7 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
         let mut mode = *mode;
         match guard {
             RigGuard::Rest(contact) => {
-                let omega = match contact {
-                    Contact::Disc => OMEGA,
-                    Contact::Disc1 => OMEGA1,
-                    Contact::Motor => OMEGA3,
-                };
+                let omega = velocity_of(contact);
                 let band = self.law_of(contact).map_or(S::ZERO, |law| law.band().0);
                 let ContactMode::Slipping(direction, _) = mode.contact(contact) else {
                     return mode;

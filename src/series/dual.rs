@@ -128,13 +128,34 @@ impl<const N: usize> Scalar for Dual<N> {
     fn value(self) -> f64 {
         self.value
     }
-    fn derivatives_vanish(differences: &[Self], reference: &[Self], tolerance: f64) -> bool {
-        let largest = |numbers: &[Self], slot: usize| {
-            numbers
-                .iter()
-                .fold(0.0_f64, |size, x| size.max(x.derivative[slot].abs()))
-        };
-        (0..N).all(|slot| largest(differences, slot) <= tolerance * largest(reference, slot))
+    #[inline(always)]
+    fn enlarge(&mut self, factor: f64, number: &Self) {
+        for (size, d) in self.derivative.iter_mut().zip(&number.derivative) {
+            let other = factor * d.abs();
+            *size = if other > *size { other } else { *size };
+        }
+    }
+    fn largest_share(&self, whole: &Self) -> f64 {
+        let mut share = 0.0_f64;
+        for (size, whole) in self.derivative.iter().zip(&whole.derivative) {
+            if *size > 0.0 {
+                share = share.max(size / whole);
+            }
+        }
+        share
+    }
+    const SLOTS: usize = N;
+    #[inline(always)]
+    fn slot(&self, slot: usize) -> f64 {
+        self.derivative[slot]
+    }
+    #[inline(always)]
+    fn add_to_slot(&mut self, slot: usize, amount: f64) {
+        self.derivative[slot] += amount;
+    }
+    #[inline(always)]
+    fn varies(&self) -> bool {
+        self.derivative != [0.0; N]
     }
     #[inline(always)]
     fn with_value(self, value: f64) -> Self {

@@ -34,9 +34,22 @@ pub trait Scalar:
     fn constant(value: f64) -> Self;
     /// The number without its derivatives.
     fn value(self) -> f64;
-    /// Whether, for each quantity differentiated by, the derivatives of `differences` are at most
-    /// `tolerance` × the largest derivative among `reference`. True for numbers without derivatives.
-    fn derivatives_vanish(differences: &[Self], reference: &[Self], tolerance: f64) -> bool;
+    /// Raises each derivative to `factor` × the size of that of `number` if it is smaller: a way to the
+    /// largest sizes among several numbers.
+    fn enlarge(&mut self, factor: f64, number: &Self);
+    /// The largest of the derivatives over those of `whole`, all of them sizes; zero where both are, and
+    /// for numbers without derivatives.
+    fn largest_share(&self, whole: &Self) -> f64;
+    /// Number of quantities differentiated by.
+    const SLOTS: usize;
+    /// Derivative with respect to quantity number `slot`.
+    fn slot(&self, slot: usize) -> f64;
+    /// Adds to the derivative with respect to quantity number `slot`.
+    fn add_to_slot(&mut self, slot: usize, amount: f64);
+    /// Whether any derivative differs from zero.
+    fn varies(&self) -> bool {
+        (0..Self::SLOTS).any(|slot| self.slot(slot) != 0.0)
+    }
     /// The same derivatives with another value.
     fn with_value(self, value: f64) -> Self;
     /// Replaces the value and keeps the derivatives.
@@ -84,9 +97,18 @@ impl Scalar for f64 {
         self
     }
     #[inline(always)]
-    fn derivatives_vanish(_: &[Self], _: &[Self], _: f64) -> bool {
-        true
+    fn enlarge(&mut self, _: f64, _: &Self) {}
+    #[inline(always)]
+    fn largest_share(&self, _: &Self) -> f64 {
+        0.0
     }
+    const SLOTS: usize = 0;
+    #[inline(always)]
+    fn slot(&self, _: usize) -> f64 {
+        0.0
+    }
+    #[inline(always)]
+    fn add_to_slot(&mut self, _: usize, _: f64) {}
     #[inline(always)]
     fn with_value(self, value: f64) -> Self {
         value

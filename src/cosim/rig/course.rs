@@ -261,15 +261,13 @@ pub(super) fn series<'a, S: Scalar>(
     jet: &'a RigJet<S>,
     signal: Signal,
 ) -> Option<&'a [S]> {
+    let (disc, disc_1, motor) = jet.torques();
     match signal {
         // The torque has the terms that count; a state's array goes on beyond them.
-        Signal::State(place) => system
-            .states(jet)
-            .get(place)?
-            .get(..jet.friction_torque().len()),
-        Signal::Friction(Friction::Disc) => Some(jet.friction_torque()),
-        Signal::Friction(Friction::Disc1) => jet.friction_torque_1(),
-        Signal::Friction(Friction::Motor) => Some(jet.motor_friction_torque()),
+        Signal::State(place) => system.states(jet).get(place)?.get(..disc.len()),
+        Signal::Friction(Friction::Disc) => Some(disc),
+        Signal::Friction(Friction::Disc1) => disc_1,
+        Signal::Friction(Friction::Motor) => Some(motor),
         _ => None,
     }
 }

@@ -340,9 +340,7 @@ fn place<const N: usize>(
     let series = stickslip::integrator::HybridSystem::states(simulation.system(), simulation.jet());
     let acceleration =
         stickslip::series::evaluate_derivative(&series[index::OMEGA][..15], tau).value;
-    let friction = evaluate(simulation.jet().friction_torque(), tau)
-        .value
-        .abs();
+    let friction = simulation.jet().friction_torque_at(tau.value).abs();
     let speed = state[index::OMEGA];
     let s = if speed < 0.0 { -1.0 } else { 1.0 };
     Place {

@@ -2,7 +2,7 @@
 
 use stickslip::friction::{ContactMode, Direction, Law, Regime};
 use stickslip::integrator::{Guard, HybridSystem};
-use stickslip::series::Series;
+use stickslip::series::{Series, evaluate};
 
 use super::system::{BODIES, Oscillator, OscillatorGuard, OscillatorJet, OscillatorState};
 
@@ -92,8 +92,23 @@ impl HybridSystem<f64> for Oscillator {
         &jet.states
     }
 
-    fn guards<'a>(&self, jet: &'a OscillatorJet) -> &'a [Guard<f64, OscillatorGuard>] {
+    fn guards<'a>(&self, jet: &'a OscillatorJet) -> &'a [Guard<OscillatorGuard>] {
         &jet.guards
+    }
+
+    fn guard_at(
+        &self,
+        _mode: &ContactMode,
+        guard: OscillatorGuard,
+        jet: &OscillatorJet,
+        tau: f64,
+        _time: f64,
+        _state: &OscillatorState,
+        _inputs: &(),
+        _spare: &mut OscillatorJet,
+    ) -> f64 {
+        let watched = jet.guards.iter().find(|watched| watched.kind == guard);
+        watched.map_or(0.0, |watched| evaluate(&watched.series, tau))
     }
 
     fn is_coordinate(&self, index: usize) -> bool {

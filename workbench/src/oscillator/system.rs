@@ -75,7 +75,7 @@ pub struct OscillatorJet {
     pub(super) slip: SlipJet<f64>,
     /// All other forces that resist a positive slip.
     pub(super) resisting: Series<f64>,
-    pub(super) guards: Vec<Guard<f64, OscillatorGuard>>,
+    pub(super) guards: Vec<Guard<OscillatorGuard>>,
 }
 
 impl Oscillator {

@@ -1,0 +1,188 @@
+//! `peers derivatives`: what eight derivatives cost beside the run that they belong to, for every law and both rigs.
+
+use std::fmt::Write;
+use std::hint::black_box;
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+use cpu_time::ProcessTime;
+use stickslip::integrator::{self, Simulation};
+use stickslip::plant::{Rig, RigInputs, STATES, sensitivities};
+
+use crate::files::write_atomically;
+use crate::systems::{self, END_TIME};
+
+/// Cost of eight derivatives asked for, in plain runs.
+const BAR: f64 = 4.0;
+
+/// Repetitions of each run, of which the fastest counts.
+const REPETITIONS: u32 = 40;
+
+/// Number of parameters differentiated by.
+const COUNT: usize = 8;
+
+/// Parameters of every rig; the law's own fill up to [`COUNT`].
+const COMMON: [&str; 8] = [
+    "disc.inertia",
+    "shaft.stiffness",
+    "shaft.damping",
+    "motor.resistance",
+    "motor.torque_constant",
+    "contact.radius",
+    "gearbox.ratio",
+    "motor.inertia",
+];
+/// How many of the law's parameters are asked for at most.
+const OF_THE_LAW: usize = 3;
+
+/// Name and numbers of every law.
+const LAWS: [(&str, &str); 8] = [
+    ("coulomb", "mu_c = 0.12"),
+    ("coulomb_stiction", "mu_c = 0.12\nmu_s = 0.2"),
+    ("stribeck", "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2"),
+    (
+        "karnopp",
+        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nomega_tolerance = 1e-3",
+    ),
+    (
+        "switch",
+        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nomega_tolerance = 1e-3\ndecay_rate = 50.0",
+    ),
+    (
+        "wojewoda",
+        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nstochastic_amplitude = 0.0\ncorrelation_angle = 0.1\nseed = 1",
+    ),
+    (
+        "two_gaussian_torque",
+        "a1 = 0.8\nb1 = -3.07246\nc1 = 1.28946\na2 = 0.55\nb2 = 0.4796\nc2 = 2.62303\n\
+         omega_centre = 7.15956\nacceleration_semi_axis = 58.2873",
+    ),
+    (
+        "two_gaussian_mu",
+        "a1 = 0.27115\nb1 = -3.07246\nc1 = 1.28946\na2 = 0.18567\nb2 = 0.4796\nc2 = 2.62303\n\
+         omega_centre = 7.15956\nacceleration_semi_axis = 58.2873",
+    ),
+];
+
+/// Options of `peers derivatives`.
+#[derive(Args, Debug)]
+pub struct Options {
+    /// Folder for derivatives.md.
+    #[arg(long, default_value = "docs")]
+    out: PathBuf,
+    /// End with exit code 1 when the bar is missed.
+    #[arg(long)]
+    check: bool,
+}
+
+/// Times all rigs, prints the table and writes it; `false` when the bar was to be checked and is missed.
+///
+/// # Errors
+/// When a model is refused, a run fails or the page cannot be written.
+pub fn run(options: &Options) -> Result<bool> {
+    let costs = costs()?;
+    let page = page(&costs);
+    print!("{page}");
+    write_atomically(&options.out.join("derivatives.md"), &page)?;
+    Ok(!options.check || costs.iter().all(|cost| cost.ratio() <= BAR))
+}
+
+/// Processor times of one rig [s].
+#[derive(Clone, Debug)]
+struct Cost {
+    /// Law and rig.
+    name: String,
+    /// A plain run.
+    plain: f64,
+    /// The state at the end with its derivatives by eight parameters.
+    with_derivatives: f64,
+}
+
+impl Cost {
+    /// Plain runs that the derivatives cost.
+    fn ratio(&self) -> f64 {
+        self.with_derivatives / self.plain
+    }
+}
+
+/// Times every law on both rigs at the default tolerance, plain and with derivatives in turn.
+fn costs() -> Result<Vec<Cost>> {
+    let [reduced, _, full] = systems::all();
+    let mut costs = Vec::new();
+    for (law, numbers) in LAWS {
+        for system in [reduced, full] {
+            let contact = format!("law = \"{law}\"\n{numbers}\n");
+            let rig = Rig::from_toml(&system.model_with_law(&contact), law)?;
+            let force_1 = system.first_disc.map_or(0.0, |disc| disc.normal_force);
+            let inputs = RigInputs::held(system.voltage(), system.normal_force, force_1);
+            let which = if system.first_disc.is_some() {
+                "full"
+            } else {
+                "reduced"
+            };
+            costs.push(cost(format!("{law}, {which} rig"), rig, inputs)?);
+        }
+    }
+    Ok(costs)
+}
+
+fn cost(name: String, rig: Rig<f64>, inputs: RigInputs<f64>) -> Result<Cost> {
+    let parameters = rig.parameters();
+    let of_law = rig.law.section().infos().iter().map(|info| info.key);
+    let mut names: Vec<String> = of_law
+        .take(OF_THE_LAW)
+        .map(|key| format!("contact.{key}"))
+        .collect();
+    names.extend(COMMON.map(String::from));
+    names.truncate(COUNT);
+    debug_assert!(
+        names
+            .iter()
+            .all(|n| parameters.iter().any(|p| p.name == *n))
+    );
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let (options, start) = (integrator::Options::default(), [0.0; STATES]);
+    let mut cost = Cost {
+        name,
+        plain: f64::INFINITY,
+        with_derivatives: f64::INFINITY,
+    };
+    for _ in 0..REPETITIONS {
+        let clock = ProcessTime::now();
+        let mut run = Simulation::new(rig, options, 0.0, start, inputs)?;
+        run.advance_to(END_TIME)?;
+        black_box(run.state_at(END_TIME));
+        cost.plain = cost.plain.min(clock.elapsed().as_secs_f64());
+        let clock = ProcessTime::now();
+        let times = [END_TIME];
+        black_box(sensitivities(
+            &rig, &names, options, &start, &inputs, &times,
+        )?);
+        cost.with_derivatives = cost.with_derivatives.min(clock.elapsed().as_secs_f64());
+    }
+    Ok(cost)
+}
+
+/// The page, as Markdown.
+fn page(costs: &[Cost]) -> String {
+    let mut text = format!(
+        "# Cost of derivatives\n\nMade by `cargo run --release -p peers --no-default-features -- derivatives`. Each run: 60 s from \
+         rest at a tolerance of {:e}, the smallest processor time of {REPETITIONS}, plain and with the derivatives of the \
+         last state by eight parameters (at most three of the law, the others of the rig) in turn; one thread. Reduced rig: \
+         5.76 rad/s, 50 N; full rig: 40 rpm, 30 N on D1, 20 N on D2, the law on both discs. Asked for: {BAR} plain runs.\n\n\
+         | law, rig | plain run [ms] | with eight derivatives [ms] | plain runs |\n|---|---:|---:|---:|\n",
+        integrator::Options::DEFAULT_TOLERANCE
+    );
+    for cost in costs {
+        let _ = writeln!(
+            text,
+            "| {} | {:.3} | {:.3} | {:.1} |",
+            cost.name,
+            1e3 * cost.plain,
+            1e3 * cost.with_derivatives,
+            cost.ratio()
+        );
+    }
+    text
+}

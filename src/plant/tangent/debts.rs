@@ -1,0 +1,153 @@
+//! What parameters do to the accelerations while the motion is held.
+
+use crate::plant::linear_parts::LinearParts;
+use crate::series::{Scalar, Series, TERMS};
+
+/// Rows of the equations of motion: accelerations of D2, D1 and of the gearbox output, and di/dt.
+pub(super) const ON_DISC: usize = 0;
+pub(super) const ON_DISC_1: usize = 1;
+pub(super) const ON_MOTOR: usize = 2;
+pub(super) const ON_CIRCUIT: usize = 3;
+pub(super) const ROWS: usize = 4;
+
+/// What the parameters owe to each row, order by order; derivatives only.
+pub(super) type Owed<S> = [[S; ROWS]; TERMS];
+
+/// Series of the motion with which parameters enter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Along {
+    /// θ2 − θ3 and its rate.
+    Twist,
+    Rate,
+    /// θ1 − θ2 and its rate.
+    Twist1,
+    Rate1,
+    /// ω3 and i.
+    MotorSpeed,
+    Current,
+    /// Accelerations of D2, D1 and of the gearbox output, and di/dt.
+    Rates(usize),
+    /// ±1 at order 0: the direction in which the motor turns.
+    MotorDirection,
+}
+
+/// Number of series that [`Along`] tells apart.
+pub(super) const KINDS: usize = 7 + ROWS;
+
+impl Along {
+    pub fn position(self) -> usize {
+        match self {
+            Self::Twist => 0,
+            Self::Rate => 1,
+            Self::Twist1 => 2,
+            Self::Rate1 => 3,
+            Self::MotorSpeed => 4,
+            Self::Current => 5,
+            Self::MotorDirection => 6,
+            Self::Rates(row) => 7 + row,
+        }
+    }
+}
+
+/// One parameter's effect on one row: `factor` × a series of the motion, in one slot.
+#[derive(Clone, Copy, Debug)]
+struct Debt {
+    along: Along,
+    slot: usize,
+    factor: f64,
+}
+
+/// What the numbers of the linear part owe to each row; the same in all segments.
+#[derive(Clone, Debug)]
+pub(super) struct Debts {
+    rows: [Vec<Debt>; ROWS],
+}
+
+impl Debts {
+    pub fn new<S: Scalar>(parts: &LinearParts<S>) -> Self {
+        let mut debts = Self {
+            rows: Default::default(),
+        };
+        let per = |inverse: S| inverse.value();
+        let (disc, disc_1) = (per(parts.inverse_inertia), per(parts.inverse_inertia_1));
+        let motor = per(parts.inverse_motor_inertia);
+        let circuit = per(parts.inverse_inductance);
+        debts.add(ON_DISC, Along::Twist, &parts.stiffness, -disc);
+        debts.add(ON_DISC, Along::Rate, &parts.damping, -disc);
+        debts.add(ON_DISC, Along::Twist1, &parts.stiffness_1, disc);
+        debts.add(ON_DISC, Along::Rate1, &parts.damping_1, disc);
+        debts.add(ON_DISC_1, Along::Twist1, &parts.stiffness_1, -disc_1);
+        debts.add(ON_DISC_1, Along::Rate1, &parts.damping_1, -disc_1);
+        debts.add(ON_MOTOR, Along::Twist, &parts.stiffness, motor);
+        debts.add(ON_MOTOR, Along::Rate, &parts.damping, motor);
+        debts.add(ON_MOTOR, Along::Current, &parts.current_to_torque, motor);
+        debts.add(ON_MOTOR, Along::MotorSpeed, &parts.motor_damping, -motor);
+        debts.add(
+            ON_MOTOR,
+            Along::MotorDirection,
+            &parts.motor_coulomb,
+            -motor,
+        );
+        debts.add(ON_CIRCUIT, Along::Current, &parts.resistance, -circuit);
+        debts.add(ON_CIRCUIT, Along::MotorSpeed, &parts.back_emf, -circuit);
+        // All of an acceleration is inversely proportional to the inertia.
+        for (row, inverse) in [
+            (ON_DISC, &parts.inverse_inertia),
+            (ON_DISC_1, &parts.inverse_inertia_1),
+            (ON_MOTOR, &parts.inverse_motor_inertia),
+            (ON_CIRCUIT, &parts.inverse_inductance),
+        ] {
+            if inverse.value() != 0.0 {
+                debts.add(row, Along::Rates(row), inverse, 1.0 / inverse.value());
+            }
+        }
+        debts
+    }
+
+    fn add<S: Scalar>(&mut self, row: usize, along: Along, number: &S, factor: f64) {
+        for slot in 0..S::SLOTS {
+            let derivative = number.slot(slot);
+            if derivative != 0.0 {
+                self.rows[row].push(Debt {
+                    along,
+                    slot,
+                    factor: factor * derivative,
+                });
+            }
+        }
+    }
+
+    /// Whether any series of this kind is wanted for `row`.
+    pub fn want(&self, along: Along) -> bool {
+        self.rows.iter().flatten().any(|debt| debt.along == along)
+    }
+
+    /// Adds what is owed to `row` up to order `top`.
+    pub fn pay<S: Scalar>(
+        &self,
+        row: usize,
+        top: usize,
+        motion: &[Series<f64>; KINDS],
+        owed: &mut Owed<S>,
+    ) {
+        for debt in &self.rows[row] {
+            let series = &motion[debt.along.position()];
+            add_series(debt.slot, debt.factor, series, row, top, owed);
+        }
+    }
+}
+
+/// Adds `factor` × `series` to one slot of `row`.
+#[inline]
+pub(super) fn add_series<S: Scalar>(
+    slot: usize,
+    factor: f64,
+    series: &Series<f64>,
+    row: usize,
+    top: usize,
+    owed: &mut Owed<S>,
+) {
+    for (owed, c) in owed[..=top].iter_mut().zip(series) {
+        owed[row].add_to_slot(slot, factor * c);
+    }
+}

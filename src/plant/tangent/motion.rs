@@ -1,0 +1,263 @@
+//! The motion without derivatives, and the coefficients of the variational equations along it.
+
+use super::debts::{Along, Debts, KINDS, ON_CIRCUIT, ON_DISC, ON_DISC_1, ON_MOTOR, Owed, ROWS};
+use super::pin::{PinSegment, PinTangent};
+use crate::friction::ContactMode;
+use crate::integrator::{SETTLED_SHARE, step_from_last_terms};
+use crate::plant::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
+use crate::plant::linear_parts::LinearParts;
+use crate::plant::{INPUT_TERMS, Rig, RigInputs, RigJet, RigMode};
+use crate::series::{Scalar, Series, TERMS};
+
+/// Lowest order that is worth two sets of series.
+pub(super) const LOWEST_ORDER: usize = 4;
+
+/// Relative accuracy wanted of the derivatives in one segment. With less of it than the motion has, fewer
+/// orders do, and derivatives count as free of transients about where the motion does.
+pub(super) const ACCURACY: f64 = 1e-9;
+
+/// Terms of a derivative's series by which its size is judged on the slow manifold; right behind a switch
+/// any number of them may vanish.
+const FIRST_TERMS: usize = 4;
+
+/// A motion and the equations of its derivatives.
+#[derive(Clone, Debug)]
+pub(in crate::plant) struct Tangent<S> {
+    pub rig: Rig<f64>,
+    pub jet: RigJet<f64>,
+    pub(super) pins: [PinTangent; 2],
+    pub(super) owed: Box<Owed<S>>,
+    /// Derivatives of the accelerations of D2 and D1: laws that look at them need them.
+    pub(super) accelerations: Box<[Series<S>; 2]>,
+    debts: Debts,
+    motion: Box<[Series<f64>; KINDS]>,
+    /// Tolerance of the run as far as it is known: zero at first.
+    tolerance: f64,
+    /// About the length of the segment at hand [s], by its motion.
+    step: f64,
+    /// Order up to which the derivatives tell if they are as smooth as the motion.
+    expected: usize,
+    /// Whether the derivatives of the last segment took more orders than its motion let expect.
+    lively: bool,
+    /// The longest segment [s] at which the derivatives hold.
+    pub reach: f64,
+}
+
+impl<S: Scalar> Tangent<S> {
+    /// The plain counterpart of `rig`, whose effects must not act on the motion.
+    pub fn new(rig: &Rig<S>, parts: &LinearParts<S>) -> Self {
+        let plain = rig.lift();
+        let outer = rig.outer.as_ref().map_or(&rig.law, |outer| &outer.law);
+        Self {
+            jet: RigJet::new(&plain),
+            rig: plain,
+            pins: [PinTangent::new(&rig.law), PinTangent::new(outer)],
+            owed: Box::new([[S::ZERO; ROWS]; TERMS]),
+            accelerations: Box::new([[S::ZERO; TERMS]; 2]),
+            debts: Debts::new(parts),
+            motion: Box::new([[0.0; TERMS]; KINDS]),
+            tolerance: 0.0,
+            step: 0.0,
+            expected: 0,
+            lively: false,
+            reach: f64::INFINITY,
+        }
+    }
+
+    /// Notes the tolerance of the run.
+    pub fn set_tolerance(&mut self, tolerance: f64) {
+        self.tolerance = tolerance;
+    }
+
+    /// Orders of the derivatives to try in the segment just expanded: that up to which they tell if they
+    /// are as smooth as the motion, and the last one, `order`, if need be.
+    pub fn orders(&mut self, order: usize) -> impl Iterator<Item = usize> + use<S> {
+        self.expected = self.expected_order(order);
+        (!self.lively && self.expected < order)
+            .then_some(self.expected)
+            .into_iter()
+            .chain([order])
+    }
+
+    /// Number of the last order whose derivatives tell if they are as smooth as the motion.
+    fn expected_order(&mut self, order: usize) -> usize {
+        let mut sizes = [0.0_f64; TERMS];
+        for index in [OMEGA, OMEGA3, CURRENT, OMEGA1] {
+            let series = &self.jet.states[index];
+            let unit = 1.0 / (1.0 + series[0].abs());
+            for (size, c) in sizes.iter_mut().zip(&series[..=order]) {
+                *size = size.max(c.abs() * unit);
+            }
+        }
+        let (last, before) = (sizes[order], sizes[order - 1]);
+        let known = self.tolerance > 0.0;
+        let scale = 1.0 / if known { self.tolerance } else { ACCURACY };
+        self.step = step_from_last_terms(last * scale, before * scale, order).min(1.0);
+        let (mut power, mut wanted) = (1.0, LOWEST_ORDER);
+        for (k, size) in sizes[..=order].iter().enumerate() {
+            // A derivative of (t/T)^k by T is k times as large.
+            if size * power * k as f64 > ACCURACY {
+                wanted = wanted.max(k);
+            }
+            power *= self.step;
+        }
+        wanted
+    }
+
+    /// Finds how far the derivatives up to order `top` in `jet` reach; whether that is as far as the motion.
+    pub fn judge(&mut self, top: usize, order: usize, jet: &RigJet<S>) -> bool {
+        // The motion is followed for a little less than its terms allow.
+        let length = self.step * libm::pow(SETTLED_SHARE, 1.0 / order as f64);
+        if top == order && self.expected < order {
+            self.lively = self.reach_of(self.expected, FIRST_TERMS, jet) < length;
+        }
+        self.reach = self.reach_of(top, FIRST_TERMS, jet);
+        self.reach >= length
+    }
+
+    /// Time [s] in which the last terms of the derivatives up to order `top` stay below [`ACCURACY`], their size
+    /// judged by the first `terms`.
+    fn reach_of(&self, top: usize, terms: usize, jet: &RigJet<S>) -> f64 {
+        let (rates, angles): (&[usize], &[usize]) = if self.rig.outer.is_some() {
+            (&[OMEGA, OMEGA3, CURRENT, OMEGA1], &[THETA, THETA3, THETA1])
+        } else {
+            (&[OMEGA, OMEGA3, CURRENT], &[THETA, THETA3])
+        };
+        let (mut whole, mut last) = (S::ZERO, S::ZERO);
+        for &place in angles {
+            whole.enlarge(1.0, &jet.states[place][0]);
+        }
+        for &place in rates {
+            let series = &jet.states[place];
+            let mut power = 1.0;
+            for c in &series[..terms] {
+                whole.enlarge(power, c);
+                power *= self.step;
+            }
+            last.enlarge(1.0, &series[top - 1]);
+            last.enlarge(self.step, &series[top]);
+        }
+        let share = last.largest_share(&whole);
+        libm::exp(-libm::log(share / ACCURACY) / (top - 1) as f64)
+    }
+
+    /// As [`Self::judge`] for a series of all orders, whose motion carries the fast modes.
+    pub fn judge_full(&mut self, order: usize, jet: &RigJet<S>) {
+        self.expected = self.expected_order(order);
+        self.reach = self.reach_of(order, order, jet);
+    }
+
+    /// Finds the coefficients of the variational equations up to order `top` of the motion in `self.jet`,
+    /// whose states are known up to order `known`; `jet` holds inputs and loads with their derivatives.
+    pub fn linearise(
+        &mut self,
+        mode: &RigMode,
+        inputs: &RigInputs<S>,
+        (top, known): (usize, usize),
+        jet: &RigJet<S>,
+    ) {
+        self.collect(mode, top, known);
+        self.owed[..=top].fill([S::ZERO; ROWS]);
+        let x = &self.jet.states;
+        let parts = &self.jet.parts;
+        let [disc, disc_1] = &mut self.pins;
+        let segment = PinSegment {
+            mode: mode.disc,
+            law: &self.rig.law,
+            inverse_inertia: parts.inverse_inertia,
+            theta: &x[THETA],
+            omega: &x[OMEGA],
+            plain: &self.jet.disc,
+            load: &jet.disc,
+        };
+        disc.follow(&segment, ON_DISC, top, &mut self.owed);
+        if disc.is_driven() {
+            self.debts.pay(ON_DISC, top, &self.motion, &mut self.owed);
+            self.owed[0][ON_DISC] += S::combined([(parts.inverse_inertia, &inputs.disc_torque)]);
+        }
+        if let (Some(outer), Some(plain), Some(load)) =
+            (&self.rig.outer, &self.jet.disc1, &jet.disc1)
+        {
+            let segment = PinSegment {
+                mode: mode.disc1,
+                law: &outer.law,
+                inverse_inertia: parts.inverse_inertia_1,
+                theta: &x[THETA1],
+                omega: &x[OMEGA1],
+                plain,
+                load,
+            };
+            disc_1.follow(&segment, ON_DISC_1, top, &mut self.owed);
+            if disc_1.is_driven() {
+                self.debts.pay(ON_DISC_1, top, &self.motion, &mut self.owed);
+            }
+        }
+        if !mode.motor.is_stuck() {
+            self.debts.pay(ON_MOTOR, top, &self.motion, &mut self.owed);
+            self.owed[0][ON_MOTOR] +=
+                S::combined([(parts.inverse_motor_inertia, &inputs.motor_torque)]);
+        }
+        self.debts
+            .pay(ON_CIRCUIT, top, &self.motion, &mut self.owed);
+        for k in 0..INPUT_TERMS.min(top + 1) {
+            if jet.voltage[k].varies() {
+                self.owed[k][ON_CIRCUIT] +=
+                    S::combined([(parts.inverse_inductance, &jet.voltage[k])]);
+            }
+        }
+    }
+
+    /// Collects the series with which parameters enter.
+    fn collect(&mut self, mode: &RigMode, top: usize, known: usize) {
+        let x = &self.jet.states;
+        let differences = [
+            (Along::Twist, THETA, THETA3),
+            (Along::Rate, OMEGA, OMEGA3),
+            (Along::Twist1, THETA1, THETA),
+            (Along::Rate1, OMEGA1, OMEGA),
+        ];
+        for (along, a, b) in differences {
+            if self.debts.want(along) {
+                let series = &mut self.motion[along.position()];
+                for k in 0..=top {
+                    series[k] = x[a][k] - x[b][k];
+                }
+            }
+        }
+        for (along, place) in [(Along::MotorSpeed, OMEGA3), (Along::Current, CURRENT)] {
+            if self.debts.want(along) {
+                self.motion[along.position()] = x[place];
+            }
+        }
+        for (row, place) in [
+            (ON_DISC, OMEGA),
+            (ON_DISC_1, OMEGA1),
+            (ON_MOTOR, OMEGA3),
+            (ON_CIRCUIT, CURRENT),
+        ] {
+            let along = Along::Rates(row);
+            if self.debts.want(along) {
+                let series = &mut self.motion[along.position()];
+                series[top] = 0.0;
+                for k in 0..known.min(top + 1) {
+                    series[k] = (k + 1) as f64 * x[place][k + 1];
+                }
+            }
+        }
+        self.motion[Along::MotorDirection.position()][0] = match mode.motor {
+            ContactMode::Stuck => 0.0,
+            ContactMode::Breaking(direction) | ContactMode::Slipping(direction, _) => {
+                direction.sign()
+            }
+        };
+    }
+
+    /// Puts the orders beyond `top` into `jet`, where the derivatives no longer tell.
+    pub fn rest(&self, top: usize, order: usize, jet: &mut RigJet<S>) {
+        for k in top + 1..=order {
+            for (series, plain) in jet.states.iter_mut().zip(&self.jet.states) {
+                series[k] = S::constant(plain[k]);
+            }
+        }
+    }
+}
