@@ -1,6 +1,9 @@
 //! The command line: one subcommand per module.
 
-use clap::{Parser, Subcommand};
+use std::io::Write;
+
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
 
 use crate::build::{self, BuildArguments};
 use crate::calibrate::{self, command::CalibrateArguments};
@@ -38,12 +41,22 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run a model or an FMU.
+    #[command(
+        after_help = "Example: stickslip simulate rig.toml --speed-rpm 55 --normal-force 50 --out result
+         stickslip simulate ReducedRig.fmi3.fmu --inputs run.csv --set contact.mu_s=0.25 --out result"
+    )]
     Simulate(SimulateArguments),
     /// Map the kinds of motion over one or two parameters.
+    #[command(
+        after_help = "Example: stickslip map rig.toml --speed-rpm 20:80:61 --normal-force 0:80:81 --out map
+
+Interrupted, it goes on with the same command."
+    )]
     Map(MapArguments),
     /// Run a rig with controllers over speed and normal force, or over the communication step.
     ClosedLoop(ClosedLoopArguments),
     /// Say what a model or an FMU is and has.
+    #[command(after_help = "Example: stickslip info ReducedRig.fmi3.fmu")]
     Info(InfoArguments),
     /// Name the effect that a model lacks, add it, and show on a held-out record that the gap is closed.
     #[command(after_help = "Example: stickslip diagnose my-case --out result
@@ -79,13 +92,37 @@ Then: stickslip show my-case --out result")]
     #[command(after_help = "Example: stickslip score cases --out score --leave-one-out")]
     Score(ScoreArguments),
     /// Pack a model into FMUs.
+    #[command(after_help = "Example: stickslip build rig.toml --out fmus
+         stickslip build rig.toml --platform linux64 --platform win64 --out fmus")]
     Build(BuildArguments),
     /// The dissertation's computations, with the published numbers beside ours.
+    #[command(after_help = "Example: stickslip experiment list
+         stickslip experiment run table-4.7
+         stickslip experiment all --out experiments")]
     Experiment(ExperimentArguments),
     /// Stiffness, damping and frequencies from a user's own tests.
+    #[command(after_help = "Example: stickslip identify static twists.csv
+         stickslip identify decay swing.csv --column theta --smallest 0.01 --inertia 0.0149
+         stickslip identify spectrum run.csv --column theta_dot --peaks 5")]
     Identify(IdentifyArguments),
     /// Find a law's unpublished parameters from published facts.
+    #[command(
+        after_help = "Example: stickslip calibrate --model workbench/targets/eq-6-2-rig.toml \\
+           --target workbench/targets/eq-6-2.toml --out calibrated
+
+Interrupted, it goes on with the same command."
+    )]
     Calibrate(CalibrateArguments),
+    /// Print the completions of these commands for a shell.
+    #[command(
+        after_help = "Example: stickslip completions bash > ~/.local/share/bash-completion/completions/stickslip
+         stickslip completions zsh > ~/.zfunc/_stickslip
+         stickslip completions fish > ~/.config/fish/completions/stickslip.fish"
+    )]
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
 }
 
 /// Runs the command that was given.
@@ -109,5 +146,70 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Experiment(arguments) => experiment::command::run(arguments),
         Command::Identify(arguments) => identify::command::run(arguments),
         Command::Calibrate(arguments) => calibrate::command::run(arguments),
+        Command::Completions { shell } => {
+            // Into memory first: what writes to a pipe that is closed would panic.
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "stickslip", &mut script);
+            std::io::stdout().write_all(&script)?;
+            Ok(Outcome::Done)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The command lines of a help's examples, words split, continued lines joined.
+    fn examples(help: &str) -> Vec<Vec<String>> {
+        help.replace("\\\n", " ")
+            .lines()
+            .filter_map(|line| {
+                let start = line.find("stickslip ")?;
+                let before = line[..start].trim();
+                if !(before.is_empty() || before == "Example:" || before == "Then:") {
+                    return None;
+                }
+                let words = line[start..].split_whitespace().map(str::to_owned);
+                Some(words.take_while(|word| word != ">").collect())
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_command_has_examples_and_they_can_be_typed() {
+        for command in Cli::command().get_subcommands() {
+            let name = command.get_name();
+            let help = command
+                .get_after_help()
+                .map(ToString::to_string)
+                .unwrap_or_default();
+            let examples = examples(&help);
+            assert!(
+                examples.iter().any(|words| words[1] == name),
+                "{name} has no example"
+            );
+            for words in examples {
+                if let Err(error) = Cli::try_parse_from(&words) {
+                    panic!("{}: {error}", words.join(" "));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn completions_know_every_command() {
+        for shell in [Shell::Bash, Shell::Zsh, Shell::Fish, Shell::PowerShell] {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "stickslip", &mut script);
+            let script = String::from_utf8(script).unwrap();
+            for command in Cli::command().get_subcommands() {
+                assert!(
+                    script.contains(command.get_name()),
+                    "{shell}: {}",
+                    command.get_name()
+                );
+            }
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! `build-fmu`: packs a `model.toml` and the prebuilt library into FMUs, and checks FMUs.
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -10,7 +11,8 @@ use build_fmu::library;
 use build_fmu::lint::{self, Loading, Package};
 use build_fmu::platform::{FmiVersion, Platform};
 use build_fmu::ssp::{self, System};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 
 /// Exit code for wrong usage or input; 1 is kept for checks that say no.
 const INPUT_ERROR: u8 = 2;
@@ -72,6 +74,14 @@ enum Command {
                             connects what is called the same: u, theta3_dot, i."
     )]
     Ssp(SystemArguments),
+    /// Print the completions of these commands for a shell.
+    #[command(
+        after_help = "Example:\n  build-fmu completions bash > ~/.local/share/bash-completion/completions/build-fmu"
+    )]
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
 }
 
 #[derive(Debug, Args)]
@@ -143,6 +153,7 @@ fn main() -> ExitCode {
     let outcome = match &arguments.command {
         Some(Command::Check { fmus, no_load }) => check(fmus, *no_load),
         Some(Command::Ssp(arguments)) => pack_system(arguments).map(|()| true),
+        Some(Command::Completions { shell }) => complete(*shell).map(|()| true),
         None => build(&arguments).map(|()| true),
     };
     match outcome {
@@ -153,6 +164,13 @@ fn main() -> ExitCode {
             ExitCode::from(INPUT_ERROR)
         }
     }
+}
+
+fn complete(shell: Shell) -> anyhow::Result<()> {
+    // Into memory first: what writes to a pipe that is closed would panic.
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "build-fmu", &mut script);
+    Ok(std::io::stdout().write_all(&script)?)
 }
 
 /// Checks FMUs; whether nothing was found.
@@ -231,4 +249,32 @@ fn build(arguments: &Arguments) -> anyhow::Result<()> {
         );
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_example_of_the_help_can_be_typed() {
+        let command = Arguments::command();
+        let helps = std::iter::once(&command)
+            .chain(command.get_subcommands())
+            .map(|command| (command.get_name().to_owned(), command.get_after_help()));
+        for (name, help) in helps {
+            let help = help.map(ToString::to_string).unwrap_or_default();
+            let examples: Vec<&str> = help
+                .lines()
+                .map(str::trim)
+                .filter(|line| line.starts_with("build-fmu "))
+                .collect();
+            assert!(!examples.is_empty(), "{name} has no example");
+            for example in examples {
+                let words = example.split_whitespace().take_while(|word| *word != ">");
+                if let Err(error) = Arguments::try_parse_from(words) {
+                    panic!("{example}: {error}");
+                }
+            }
+        }
+    }
 }
