@@ -464,6 +464,36 @@ fn every_defect_of_an_fmi3_fmu_is_found() {
     every_defect_is_found(FmiVersion::Fmi3, FMI3);
 }
 
+/// The table of docs/check.md.
+fn table() -> String {
+    let mut rows: BTreeMap<(&str, &str), [bool; 2]> = BTreeMap::new();
+    for (defects, versions) in [
+        (BOTH, [true, true]),
+        (FMI2, [true, false]),
+        (FMI3, [false, true]),
+    ] {
+        for (name, rule, _) in defects {
+            let row = rows.entry((rule.name(), name)).or_default();
+            row[0] |= versions[0];
+            row[1] |= versions[1];
+        }
+    }
+    let mut table = String::from("| planted defect | rule | FMI 2 | FMI 3 |\n|---|---|---|---|\n");
+    for ((rule, name), versions) in rows {
+        let [two, three] = versions.map(|planted| if planted { "found" } else { "" });
+        table.push_str(&format!("| {name} | `{rule}` | {two} | {three} |\n"));
+    }
+    table
+}
+
+#[test]
+fn the_documented_table_is_that_of_these_defects() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/check.md");
+    let page = fs::read_to_string(path).unwrap();
+    let table = table();
+    assert!(page.contains(&table), "docs/check.md should have\n{table}");
+}
+
 #[test]
 fn an_archive_that_explodes_is_refused() {
     let folder = tempfile::tempdir().unwrap();
