@@ -80,7 +80,7 @@ def variables():
             chosen = [variable for variable in every if variable.get("causality") in causalities]
             rows = [
                 [
-                    variable.get("name"),
+                    ", also ".join([variable.get("name"), *(alias.get("name") for alias in variable.findall("Alias"))]),
                     variable.get("causality") if title == "Variables" else variable.get("variability"),
                     variable.get("unit") or ("Boolean" if variable.tag == "Boolean" else "1"),
                     variable.get("start"),

@@ -25,6 +25,7 @@ pub(super) fn row(name: &str, causality: Causality, unit: &str, description: &st
         maximum: None,
         nominal: None,
         description: description.into(),
+        alias: None,
         dependencies: Vec::new(),
         initial_dependencies: Vec::new(),
     }

@@ -52,6 +52,7 @@ fn row(name: &str, causality: Causality, variability: Variability) -> Variable {
         maximum: None,
         nominal: None,
         description: name.into(),
+        alias: None,
         dependencies: Vec::new(),
         initial_dependencies: Vec::new(),
     }

@@ -38,6 +38,7 @@ impl Token {
             }
             hash.number(variable.above_minimum.into());
             hash.text(&variable.description);
+            hash.text(variable.alias.unwrap_or(""));
             for list in [&variable.dependencies, &variable.initial_dependencies] {
                 hash.number(list.len() as u64);
                 list.iter()

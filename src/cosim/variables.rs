@@ -125,6 +125,8 @@ pub struct Variable {
     pub nominal: Option<f64>,
     /// One line for people.
     pub description: String,
+    /// Another name for the same number: what the dissertation calls it. In the XML only.
+    pub alias: Option<&'static str>,
     /// Value references of the inputs on which an output depends at the same instant.
     pub dependencies: Vec<u32>,
     /// Value references of the known variables on which an output or a calculated local depends

@@ -139,3 +139,12 @@ def test_agrees_with_the_independent_reference(reduced_rig):
     assert result["time"][-1] == pytest.approx(60.0, abs=1e-9)
     for name, value in REFERENCE.items():
         assert abs(result[name][-1] - value) < 1e-8, name
+
+
+def test_the_dissertation_s_names_are_aliases(reduced_rig):
+    result = fmpy.simulate_fmu(
+        str(reduced_rig), stop_time=5.0, output_interval=0.1, start_values=standard_inputs(reduced_rig),
+        output=["theta", "theta2", "theta_dot", "theta2_dot"],
+    )
+    assert result["theta2"][-1] > 1.0
+    assert (result["theta2"] == result["theta"]).all() and (result["theta2_dot"] == result["theta_dot"]).all()

@@ -20,6 +20,8 @@ pub(super) struct Dialect {
     pub(super) type_definitions: fn(&mut Document, &Facts<'_>) -> Result<(), XmlError>,
     /// An element of `ModelVariables`.
     pub(super) variable: fn(&mut Document, &Variable) -> Result<(), XmlError>,
+    /// Elements behind those of the table, where unknowns that are counted by their place are not moved.
+    pub(super) further_variables: fn(&Facts<'_>) -> Vec<Variable>,
     /// `ModelStructure`.
     pub(super) model_structure: fn(&mut Document, &Facts<'_>) -> Result<(), XmlError>,
 }
@@ -45,8 +47,10 @@ pub(super) fn description(facts: &Facts<'_>, dialect: &Dialect) -> Result<String
         default_experiment(xml, facts)?;
         xml.element("ModelVariables", Attributes::new(), |xml| {
             let variables = facts.table.variables();
+            let further = (dialect.further_variables)(facts);
             variables
                 .iter()
+                .chain(&further)
                 .try_for_each(|row| (dialect.variable)(xml, row))
         })?;
         (dialect.model_structure)(xml, facts)

@@ -1,6 +1,6 @@
 //! FMI 2.0.5 `modelDescription.xml`.
 
-use stickslip::cosim::{MAX_OUTPUT_DERIVATIVE_ORDER, Variable, VariableType};
+use stickslip::cosim::{Causality, MAX_OUTPUT_DERIVATIVE_ORDER, Variable, VariableType};
 
 use super::common::{Dialect, boolean_start, description, head, real};
 use super::facts::{Facts, index};
@@ -14,6 +14,7 @@ pub(super) fn write(facts: &Facts<'_>) -> Result<String, XmlError> {
         capability_flags,
         type_definitions,
         variable: scalar_variable,
+        further_variables: aliases,
         model_structure,
     };
     description(facts, &dialect)
@@ -61,6 +62,22 @@ fn scalar_variable(xml: &mut Document, variable: &Variable) -> Result<(), XmlErr
         ),
     };
     xml.element("ScalarVariable", head(variable), typed)
+}
+
+/// Second names as variables that share the value reference; only the first of such a set has a start value.
+fn aliases(facts: &Facts<'_>) -> Vec<Variable> {
+    let variables = facts.table.variables().iter();
+    variables
+        .filter_map(|variable| {
+            Some(Variable {
+                name: variable.alias?.to_owned(),
+                causality: Causality::Local,
+                initial: None,
+                start: None,
+                ..variable.clone()
+            })
+        })
+        .collect()
 }
 
 fn model_structure(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlError> {

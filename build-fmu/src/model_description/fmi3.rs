@@ -14,6 +14,7 @@ pub(super) fn write(facts: &Facts<'_>) -> Result<String, XmlError> {
         capability_flags,
         type_definitions,
         variable,
+        further_variables: |_| Vec::new(),
         model_structure,
     };
     description(facts, &dialect)
@@ -50,7 +51,19 @@ fn type_definitions(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlErro
 fn variable(xml: &mut Document, variable: &Variable) -> Result<(), XmlError> {
     let head = head(variable);
     match variable.variable_type {
-        VariableType::Real => xml.leaf("Float64", real(head, variable)),
+        VariableType::Real => {
+            let attributes = real(head, variable);
+            let Some(alias) = variable.alias else {
+                return xml.leaf("Float64", attributes);
+            };
+            xml.element("Float64", attributes, |xml| {
+                let attributes = Attributes::new()
+                    .text("name", alias)
+                    .text("description", &variable.description)
+                    .optional_text("displayUnit", variable.display_unit);
+                xml.leaf("Alias", attributes)
+            })
+        }
         VariableType::Boolean => xml.leaf(
             "Boolean",
             head.optional_text("start", boolean_start(variable.start)),

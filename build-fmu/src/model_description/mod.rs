@@ -62,6 +62,7 @@ mod tests {
             maximum: None,
             nominal: None,
             description: format!("{name} of the sample"),
+            alias: None,
             dependencies: Vec::new(),
             initial_dependencies: Vec::new(),
         }

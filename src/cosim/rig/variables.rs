@@ -134,6 +134,16 @@ pub(super) fn rig_table(rig: &Rig<f64>) -> Result<part::Rows<Signal>, TableError
     rows.finish()
 }
 
+/// The dissertation numbers disc D2's quantities too; here those without a number are meant. Not the friction torque: FMPy's
+/// validator wants an alias of a calculated output among the unknowns, where the standard has value references.
+fn alias(name: &str) -> Option<&'static str> {
+    match name {
+        "theta" => Some("theta2"),
+        "theta_dot" => Some("theta2_dot"),
+        _ => None,
+    }
+}
+
 #[derive(Default)]
 struct Rows {
     variables: Vec<Variable>,
@@ -156,7 +166,12 @@ impl Rows {
             initial: Some(Initial::Exact),
             start: Some(0.0),
             nominal: Some(nominal),
-            display_unit: (unit == "rad/s").then_some("rpm"),
+            display_unit: match unit {
+                "rad/s" => Some("rpm"),
+                "rad" => Some("deg"),
+                _ => None,
+            },
+            alias: alias(name),
             ..row(name, Causality::Output, unit, description)
         };
         self.add(Quantity::Signal(Signal::State(position)), variable);
