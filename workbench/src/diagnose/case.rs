@@ -13,7 +13,7 @@ use super::fit::Data;
 use super::record_check::{Checked, RecordProblem, check};
 use super::run::Run;
 use super::sensors::{SensorError, Sensors};
-use super::window::{Begin, windows};
+use super::window::{Begin, Cut};
 use crate::component::closest;
 use crate::files::record::{Missing, Record, RecordError};
 
@@ -272,18 +272,11 @@ impl Case {
     }
 
     fn data(&self, runs: &[Run], begin: Begin) -> Data {
-        let motor = &self.model.rig;
-        let back_emf = motor.gearbox.ratio * motor.motor.back_emf_constant;
-        let windows = runs
-            .iter()
-            .enumerate()
-            .flat_map(|(index, run)| windows(index, run, back_emf, motor.motor.resistance, begin))
-            .collect();
-        Data {
-            runs: std::sync::Arc::new(runs.to_vec()),
-            windows,
-            deviations: self.sensors.deviations(),
-        }
+        Data::new(
+            std::sync::Arc::new(runs.to_vec()),
+            Cut::of(&self.model.rig, begin),
+            self.sensors.deviations(),
+        )
     }
 }
 

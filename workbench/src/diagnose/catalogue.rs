@@ -382,6 +382,13 @@ const HYSTERESIS_KEYS: [&str; 8] = [
 ];
 const HYSTERESIS_SCALES: [f64; 8] = [0.2, 1.0, 1.0, 0.2, 1.0, 1.0, 6.0, 50.0];
 
+/// Smallest size worth naming, relative to a full effect.
+const LEAST_SIZE: f64 = 0.03;
+/// Smallest departure from one worth naming of a factor or an exponent.
+const LEAST_DEPARTURE: f64 = 0.005;
+/// Stiffness of a full internal friction of the shaft [N m/rad].
+const RELAXING_STIFFNESS: f64 = 0.05;
+
 impl Entry {
     /// Whether the effect replaces the friction law.
     pub fn is_law(&self) -> bool {
@@ -394,6 +401,39 @@ impl Entry {
     /// Whether it takes many starts with many free numbers to fit the effect.
     pub fn is_costly(&self) -> bool {
         matches!(self.form, Form::Hysteresis)
+    }
+
+    /// Whether the effect has a size that is worth naming: less changes the motion by less than real friction scatters,
+    /// and may stand for an imperfection of the method.
+    pub fn is_material(&self, fitted: &Hypothesis) -> bool {
+        let value = |dotted: &str| fitted.value(dotted).unwrap_or(0.0);
+        match self.form {
+            Form::One {
+                section,
+                key,
+                scale,
+                near,
+                ..
+            } => {
+                let size = value(&format!("{section}.{key}")) / scale;
+                // What starts near one is a factor or an exponent, and off there.
+                if near > 0.5 {
+                    (size - 1.0).abs() > LEAST_DEPARTURE
+                } else {
+                    size.abs() > LEAST_SIZE
+                }
+            }
+            Form::Polar {
+                section,
+                amplitude,
+                scale,
+                ..
+            } => value(&format!("{section}.{amplitude}")) / scale > LEAST_SIZE,
+            Form::Relaxation => {
+                value("shaft_hysteresis.stiffness") / RELAXING_STIFFNESS > LEAST_SIZE
+            }
+            Form::Stiction | Form::Stribeck | Form::Hysteresis => true,
+        }
     }
 
     /// Whether the effect cannot grow from nothing in small steps, so that a poor start says little.
@@ -482,10 +522,13 @@ impl Entry {
                     switch_on(
                         &mut h,
                         section,
-                        &[("stiffness", 0.05 * stiffness), ("relaxation_time", time)],
+                        &[
+                            ("stiffness", RELAXING_STIFFNESS * stiffness),
+                            ("relaxation_time", time),
+                        ],
                     );
                     for (key, scale, low, high, start) in [
-                        ("stiffness", 0.05, 0.0, 1.0, stiffness),
+                        ("stiffness", RELAXING_STIFFNESS, 0.0, 1.0, stiffness),
                         ("relaxation_time", 1.0, 0.01, 3.0, time),
                     ] {
                         let name = format!("{section}.{key}");

@@ -4,12 +4,14 @@ use super::catalogue::entry;
 use super::fit::{Data, Fit, fit};
 use super::hypothesis::{Estimate, Hypothesis};
 use super::robust::Robust;
-use super::search::{Tried, fit_entry, folds, gain, try_all};
+use super::search::{Tried, WRONG, close_up, fit_entry, folds, gain, try_all};
 use super::structure::{Structure, structures};
 
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all
 /// candidates stays below it.
 const LEAST_GAIN: f64 = 10.0;
+/// The same for an effect on top of others.
+const LEAST_FURTHER_GAIN: f64 = 20.0;
 /// Share of a rival's shortfall that must be certain before the best is called better.
 const RIVAL_MARGIN: f64 = 4.0;
 /// Gain of a residual torque over one coordinate from which on structure is left.
@@ -97,10 +99,26 @@ pub enum Progress<'a> {
     Locating,
 }
 
+/// Steps after which it is known whether the analyst's model can explain the records.
+const FEW_STEPS: usize = 6;
+/// Steps within which its fit converges if it can.
+const MANY_STEPS: usize = 15;
+
 /// Fits the analyst's model within the stated uncertainty of its parameters.
 pub fn fit_base(data: &Data, hypothesis: Hypothesis) -> Fit {
-    let starts = data.windows.iter().map(|window| window.anchor).collect();
-    fit(data, hypothesis, starts, 15, Robust::JUDGING)
+    let judging = Robust::JUDGING;
+    let direct = fit(data, hypothesis.clone(), data.anchors(), FEW_STEPS, judging);
+    if direct.misfit(data) < WRONG {
+        return fit(data, direct.hypothesis, direct.starts, MANY_STEPS, judging);
+    }
+    // Over short windows a model that lacks an effect still leads to the nominal parameters that are nearest.
+    let (_, near) = close_up(data, &hypothesis);
+    let careful = fit(data, near.hypothesis, data.anchors(), FEW_STEPS, judging);
+    if careful.loss < direct.loss {
+        careful
+    } else {
+        direct
+    }
 }
 
 /// Finds what is missing in `hypothesis`; effects named in `without` are not considered.
@@ -111,7 +129,7 @@ pub fn diagnose(
     progress: &mut dyn FnMut(Progress<'_>),
 ) -> Diagnosis {
     progress(Progress::Base);
-    let base = fit_base(data, hypothesis);
+    let mut base = fit_base(data, hypothesis);
     progress(Progress::Locating);
     let structure = structures(data, &base);
     let mut current = base.clone();
@@ -119,14 +137,37 @@ pub fn diagnose(
     let mut rivals: Vec<Vec<&'static str>> = Vec::new();
     let mut gains = Vec::new();
     let mut names: Vec<&'static str> = Vec::new();
+    let mut guided = 0;
     while names.len() < MOST_EFFECTS {
         let round = names.len();
         let tried = try_all(data, &current, without, &mut |name| {
             progress(Progress::Trying { name, round })
         });
+        // An effect of no size that fits better has only shown the rest of the model the way.
+        let immaterial = tried
+            .iter()
+            .take_while(|t| t.is_finalist)
+            .find(|t| t.gain > LEAST_GAIN && !t.is_material());
+        if let Some(guide) = immaterial
+            && guided < names.len() + 1
+            && let Some(better) = guide.fit.without_last_effect(data, &current)
+        {
+            guided = names.len() + 1;
+            if names.is_empty() {
+                base = better.clone();
+            }
+            current = better;
+            continue;
+        }
+        let least_gain = if names.is_empty() {
+            LEAST_GAIN
+        } else {
+            LEAST_FURTHER_GAIN
+        };
         let accepted = tried
-            .first()
-            .filter(|best| best.is_finalist && best.gain > LEAST_GAIN && best.interval95[0] > 0.0)
+            .iter()
+            .find(|t| t.is_material())
+            .filter(|best| best.is_finalist && best.gain > least_gain && best.interval95[0] > 0.0)
             .cloned();
         if let Some(best) = &accepted {
             rivals.push(indistinguishable(data, best, &tried));
@@ -146,6 +187,7 @@ pub fn diagnose(
         &mut names,
         &mut gains,
         &mut rivals,
+        ranking.as_deref().unwrap_or_default(),
     );
     progress(Progress::Locating);
     let mut structure_left = if names.is_empty() {
@@ -251,6 +293,18 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
         .collect()
 }
 
+/// Whether the effects other than that at `at` may explain without it what all do together: where there is one other, as
+/// far as its gain on top of the analyst's model tells.
+fn others_do_much(at: usize, names: &[&'static str], gains: &[f64], ranking: &[Tried]) -> bool {
+    let total: f64 = gains.iter().sum();
+    let alone = |name: &&str| ranking.iter().find(|t| t.name == *name);
+    let mut others = names.iter().enumerate().filter(|(j, _)| *j != at);
+    match (others.next(), others.next()) {
+        (Some((_, other)), None) => alone(other).is_none_or(|t| t.gain > 0.5 * total),
+        _ => true,
+    }
+}
+
 /// Takes away effects that the others make superfluous.
 fn drop_superfluous(
     data: &Data,
@@ -259,9 +313,15 @@ fn drop_superfluous(
     names: &mut Vec<&'static str>,
     gains: &mut Vec<f64>,
     rivals: &mut Vec<Vec<&'static str>>,
+    ranking: &[Tried],
 ) {
     let mut at = 0;
-    while names.len() > 1 && at < names.len() {
+    // The last has been judged on top of all others.
+    while at + 1 < names.len() {
+        if !others_do_much(at, names, gains, ranking) {
+            at += 1;
+            continue;
+        }
         let mut rest: Option<Fit> = Some(base.clone());
         for (j, name) in names.iter().enumerate() {
             if j == at {

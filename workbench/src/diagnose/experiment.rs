@@ -12,7 +12,7 @@ use super::restart::{best_starts, course};
 use super::robust::Robust;
 use super::run::Run;
 use super::sensors::Sensors;
-use super::window::{Begin, windows};
+use super::window::{Begin, Cut};
 use crate::component::{ComponentError, Native};
 use crate::files::record::{Record, RecordError};
 
@@ -146,12 +146,11 @@ fn both_ways(first: &Fit, second: &Fit, candidate: &Inputs, sensors: &Sensors) -
 fn distance(right: &Fit, wrong: &Fit, candidate: &Inputs, sensors: &Sensors) -> Option<f64> {
     let rig = right.hypothesis.rig_at().ok()?;
     let run = predicted(&rig, candidate).ok()?;
-    let back_emf = rig.gearbox.ratio * rig.motor.back_emf_constant;
-    let data = Data {
-        windows: windows(0, &run, back_emf, rig.motor.resistance, Begin::Clear),
-        runs: std::sync::Arc::new(vec![run]),
-        deviations: sensors.deviations(),
-    };
+    let data = Data::new(
+        std::sync::Arc::new(vec![run]),
+        Cut::of(&rig, Begin::Clear),
+        sensors.deviations(),
+    );
     let left = |fit: &Fit| remaining(&data, &fit.hypothesis, &fit.disturbance);
     let found = left(wrong) - left(right);
     found.is_finite().then_some(found)
@@ -270,12 +269,8 @@ mod tests {
     use crate::diagnose::run::CHANNELS;
 
     fn data(run: Run, rig: &Rig<f64>, sensors: &Sensors) -> Data {
-        let back_emf = rig.gearbox.ratio * rig.motor.back_emf_constant;
-        Data {
-            windows: windows(0, &run, back_emf, rig.motor.resistance, Begin::Clear),
-            runs: Arc::new(vec![run]),
-            deviations: sensors.deviations(),
-        }
+        let cut = Cut::of(rig, Begin::Clear);
+        Data::new(Arc::new(vec![run]), cut, sensors.deviations())
     }
 
     /// Irregular numbers of mean 0 and deviation 1: sums of twelve uniform ones.

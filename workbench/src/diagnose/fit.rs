@@ -5,20 +5,22 @@ use super::hypothesis::Hypothesis;
 use super::marginal::{Disturbance, Reduced, reduce};
 use super::robust::Robust;
 use super::run::{CHANNELS, Run};
-use super::window::{START_COMPONENTS, Window};
+use super::window::{Cut, START_COMPONENTS, Window};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 use stickslip::plant::RigState;
 
 /// Relative decrease of the loss below which a fit has converged.
-const CONVERGED: f64 = 1e-6;
+const CONVERGED: f64 = 1e-5;
 
 /// The records and windows that fits work on.
 #[derive(Clone, Debug)]
 pub struct Data {
     /// Records.
     pub runs: Arc<Vec<Run>>,
+    /// How they were cut.
+    pub cut: Cut,
     /// Windows of all records.
     pub windows: Vec<Window>,
     /// Standard deviations of the channels.
@@ -26,10 +28,37 @@ pub struct Data {
 }
 
 impl Data {
+    /// Records cut into windows.
+    pub fn new(runs: Arc<Vec<Run>>, cut: Cut, deviations: [f64; CHANNELS]) -> Self {
+        let windows = runs
+            .iter()
+            .enumerate()
+            .flat_map(|(index, run)| cut.windows(index, run))
+            .collect();
+        Self {
+            runs,
+            cut,
+            windows,
+            deviations,
+        }
+    }
+
+    /// The same records cut into windows of another length [s].
+    pub fn recut(&self, length: f64) -> Self {
+        let cut = Cut { length, ..self.cut };
+        Self::new(Arc::clone(&self.runs), cut, self.deviations)
+    }
+
+    /// The starts of the windows as measured.
+    pub fn anchors(&self) -> Vec<RigState<f64>> {
+        self.windows.iter().map(|window| window.anchor).collect()
+    }
+
     /// The same records with only the windows of these numbers.
     pub fn part(&self, kept: &[usize]) -> Self {
         Self {
             runs: Arc::clone(&self.runs),
+            cut: self.cut,
             windows: kept.iter().map(|&j| self.windows[j].clone()).collect(),
             deviations: self.deviations,
         }
@@ -130,30 +159,37 @@ fn prior_loss(hypothesis: &Hypothesis) -> f64 {
         .sum()
 }
 
-/// The relative friction disturbance that explains the windows best.
+/// The relative friction disturbance that explains the windows best, with the loss that suits what is then left. Where
+/// no disturbance explains them there is none: it would only hide where the model is wrong.
 fn best_disturbance(
     data: &Data,
     starts: &[RigState<f64>],
     grams: &[Option<Gram>],
     hypothesis: &Hypothesis,
-    robust: Robust,
-) -> Disturbance {
-    let mut best = (f64::INFINITY, Disturbance::NONE);
+) -> (Disturbance, Robust) {
+    let mut best = (f64::INFINITY, Disturbance::NONE, Robust::JUDGING);
+    let mut undisturbed = Robust::JUDGING;
     for relative in [0.0, 0.003, 0.006, 0.012, 0.02, 0.03, 0.045, 0.065] {
         let disturbance = Disturbance {
             relative,
             ..Disturbance::NONE
         };
-        let loss = total_loss(
-            &reduced(data, starts, grams, &disturbance),
-            hypothesis,
-            robust,
-        );
+        let forms = reduced(data, starts, grams, &disturbance);
+        let robust = Robust::adapted(&forms);
+        if relative == 0.0 {
+            undisturbed = robust;
+        }
+        let residuals = forms.iter().flatten().map(|form| form.residuals).sum();
+        let loss = total_loss(&forms, hypothesis, robust) + robust.cost(residuals);
         if loss < best.0 {
-            best = (loss, disturbance);
+            best = (loss, disturbance, robust);
         }
     }
-    best.1
+    if best.2.misses_something() {
+        (Disturbance::NONE, undisturbed)
+    } else {
+        (best.1, best.2)
+    }
 }
 
 /// How often a fit looks at the starts of another.
@@ -256,12 +292,10 @@ pub fn fit(
     hypothesis.clamp();
     let mut starts = starts;
     let mut present = grams(data, &hypothesis, &starts);
-    let undisturbed = reduced(data, &starts, &present, &Disturbance::NONE);
-    let mut robust = Robust::adapted(&undisturbed);
-    let mut disturbance = best_disturbance(data, &starts, &present, &hypothesis, robust);
+    let (mut disturbance, mut robust) = best_disturbance(data, &starts, &present, &hypothesis);
     let mut forms = reduced(data, &starts, &present, &disturbance);
     let mut loss = total_loss(&forms, &hypothesis, robust);
-    let anchors: Vec<RigState<f64>> = data.windows.iter().map(|window| window.anchor).collect();
+    let anchors = data.anchors();
     let mut damping = 1e-4;
     let mut iterations = 0;
     let mut quiet = 0;
@@ -321,8 +355,7 @@ pub fn fit(
             starts = trial_starts;
             present = trial_grams;
             damping = (damping * 0.1).max(1e-9);
-            let sharper = Robust::adapted(&trial_forms);
-            let next = best_disturbance(data, &starts, &present, &hypothesis, sharper);
+            let (next, sharper) = best_disturbance(data, &starts, &present, &hypothesis);
             if next != disturbance || sharper != robust {
                 disturbance = next;
                 robust = sharper;
@@ -373,6 +406,20 @@ impl Fit {
             loss,
             ..*self
         }
+    }
+
+    /// `base`, which lacks the last effect of this fit, refitted from what it shares with it; `None` if that is no better.
+    pub fn without_last_effect(&self, data: &Data, base: &Self) -> Option<Self> {
+        let shared = base.hypothesis.dimension();
+        if self.hypothesis.free.get(..base.hypothesis.free.len())? != base.hypothesis.free {
+            return None;
+        }
+        let hypothesis = Hypothesis {
+            x: self.hypothesis.x[..shared].to_vec(),
+            ..base.hypothesis.clone()
+        };
+        let anew = fit(data, hypothesis, self.starts.clone(), 15, base.judging);
+        (anew.loss < base.loss - 1.0).then_some(anew)
     }
 
     /// Starts windows that `other` fits better from where it starts them, as far as that is better here too: two fits are

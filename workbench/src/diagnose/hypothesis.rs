@@ -137,17 +137,26 @@ impl Hypothesis {
         precisions
     }
 
-    /// The same hypothesis with the analyst's values of the nominal parameters.
-    pub fn with_analysts_values(&self) -> Self {
-        let mut anew = self.clone();
+    /// The present value of a free parameter or amplitude; `None` if it is not free.
+    pub fn value(&self, dotted: &str) -> Option<f64> {
         let mut at = 0;
         for free in &self.free {
-            if matches!(free, Free::Nominal { .. }) {
-                anew.x[at] = 0.0;
+            match free {
+                Free::Nominal { name, nominal, .. } if name == dotted => {
+                    return Some(nominal * (1.0 + self.x[at]));
+                }
+                Free::Value { name, scale, .. } if name == dotted => {
+                    return Some(scale * self.x[at]);
+                }
+                Free::Polar {
+                    amplitude, scale, ..
+                } if amplitude == dotted => {
+                    return Some(scale * self.x[at].hypot(self.x[at + 1]));
+                }
+                _ => at += free.width(),
             }
-            at += free.width();
         }
-        anew
+        None
     }
 
     /// What one step of a fit may change of each free number: not more than is within its range, nor so much that windows

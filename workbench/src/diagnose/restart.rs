@@ -37,7 +37,7 @@ pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
         free: Vec::new(),
         x: Vec::new(),
     };
-    let mut states: Vec<RigState<f64>> = data.windows.iter().map(|window| window.anchor).collect();
+    let mut states: Vec<RigState<f64>> = data.anchors();
     let mut present = grams(data, &hypothesis, &states);
     let mut forms = reduced(data, &states, &present, &Disturbance::NONE);
     let nothing = DVector::zeros(0);
@@ -45,7 +45,7 @@ pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
     // Shares of the full step that are tried in turn where it makes a window worse.
     let mut shares = vec![1.0; states.len()];
     for _ in 0..MOST_IMPROVEMENTS {
-        let part = part(data, &open);
+        let part = data.part(&open);
         let trial: Vec<RigState<f64>> = open
             .iter()
             .map(|&at| match &forms[at] {
@@ -86,13 +86,6 @@ pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
     Starts {
         states,
         grams: present,
-    }
-}
-
-fn part(data: &Data, windows: &[usize]) -> Data {
-    Data {
-        windows: windows.iter().map(|&at| data.windows[at].clone()).collect(),
-        ..data.clone()
     }
 }
 

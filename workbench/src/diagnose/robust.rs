@@ -11,17 +11,25 @@ use super::marginal::Reduced;
 const LEAST_LIMIT: f64 = 1.6;
 /// Limit over the median residual size of the windows.
 const OVER_MEDIAN: f64 = 1.5;
+/// Median residual size, in standard deviations, above which the model misses something.
+const CERTAINLY_MISSED: f64 = 1.15;
 
 /// A bounded loss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Robust {
     /// Residual size per residual, relative to noise, up to which a window counts with its square.
     limit: f64,
+    /// Variance of what the model misses, relative to the sensors': what is known of the parameters beforehand counts by
+    /// that much more against the windows.
+    scale: f64,
 }
 
 impl Robust {
     /// The loss by which finished fits are judged.
-    pub const JUDGING: Self = Self { limit: 4.0 };
+    pub const JUDGING: Self = Self {
+        limit: 4.0,
+        scale: 1.0,
+    };
 
     /// The loss that lets the better half of the windows decide.
     pub fn adapted(forms: &[Option<Reduced>]) -> Self {
@@ -34,27 +42,44 @@ impl Robust {
         let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
         Self {
             limit: (OVER_MEDIAN * median).max(LEAST_LIMIT),
+            scale: if median > CERTAINLY_MISSED {
+                median * median
+            } else {
+                1.0
+            },
         }
+    }
+
+    /// Whether the windows that it was adapted to lack more than the sensors' noise explains.
+    pub fn misses_something(self) -> bool {
+        self.scale > 1.0
+    }
+
+    /// What the scale costs a model for this many residuals: −2 ln likelihood.
+    pub fn cost(self, residuals: usize) -> f64 {
+        residuals as f64 * self.scale.ln()
     }
 
     /// Loss of a window with this sum of squares.
     pub fn loss(self, square: f64, residuals: usize) -> f64 {
         let bound = residuals as f64 * self.limit * self.limit;
-        if square <= bound {
+        let bounded = if square <= bound {
             square
         } else {
             2.0 * bound - bound * bound / square
-        }
+        };
+        bounded / self.scale
     }
 
     /// Derivative of the loss with respect to the sum of squares.
     pub fn weight(self, square: f64, residuals: usize) -> f64 {
         let bound = residuals as f64 * self.limit * self.limit;
-        if square <= bound {
+        let share = if square <= bound {
             1.0
         } else {
             (bound / square).powi(2)
-        }
+        };
+        share / self.scale
     }
 }
 

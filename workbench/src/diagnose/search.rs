@@ -3,6 +3,8 @@
 use super::catalogue::{CATALOGUE, Entry};
 use super::fit::{Data, FAILED, Fit, fit};
 use super::hypothesis::Hypothesis;
+use super::robust::Robust;
+use super::window::SHORT;
 use std::cmp::Ordering;
 
 /// Windows in a row that share a fold: what half of the blocks teach is judged on the other half.
@@ -23,6 +25,14 @@ pub struct Tried {
     pub is_finalist: bool,
 }
 
+impl Tried {
+    /// Whether the effect has a size that is worth naming.
+    pub fn is_material(&self) -> bool {
+        super::catalogue::entry(self.name)
+            .is_none_or(|entry| entry.is_material(&self.fit.hypothesis))
+    }
+}
+
 /// A hypothesis on top of `base` before any step: its windows start where the base has put them, or
 /// as measured if the base is wrong and that promises more.
 pub fn first_look(data: &Data, hypothesis: Hypothesis, base: &Fit, wrong: bool) -> Fit {
@@ -30,8 +40,13 @@ pub fn first_look(data: &Data, hypothesis: Hypothesis, base: &Fit, wrong: bool) 
     if !wrong {
         return carried;
     }
-    let anchors = data.windows.iter().map(|window| window.anchor).collect();
-    let measured = fit(data, carried.hypothesis.clone(), anchors, 0, base.judging);
+    let measured = fit(
+        data,
+        carried.hypothesis.clone(),
+        data.anchors(),
+        0,
+        base.judging,
+    );
     if measured.promised_loss(data) < carried.promised_loss(data) {
         measured
     } else {
@@ -85,13 +100,17 @@ pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
 }
 
 /// Misfit per residual above which a base counts as wrong, so that effects are also tried from far.
-const WRONG: f64 = 1.1;
+pub const WRONG: f64 = 1.1;
 /// Every so-manieth window serves for the first look at the candidates.
 const THINNING: usize = 3;
 /// Windows below which none are left out.
 const ENOUGH_WINDOWS: usize = 60;
 /// Loss above the best, on the thinned windows, by which a fit in progress is given up.
 const HOPELESS: f64 = 130.0;
+/// Loss above the best, on the thinned windows, up to which small effects are fitted to all windows.
+const RIVALS: f64 = 25.0;
+/// Most small effects that are fitted to all windows.
+const MOST_RIVALS: usize = 5;
 /// Decrease of the loss on the thinned windows that a start must promise to be followed up.
 const LEAST_PROMISE: f64 = 3.0;
 /// Starts that are followed up although others promise much more.
@@ -115,19 +134,33 @@ pub fn try_all(
     let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning).collect();
     let part = data.part(&kept);
     let base_part = base.part(&part, &kept).judged_by_itself(&part);
-    let explored = explore(&part, &base_part, without, wrong, progress);
+    let explored = if wrong {
+        explore_closely(data, &part, &base_part, without, progress)
+    } else {
+        explore(&part, &base_part, without, wrong, progress)
+    };
     let best = explored
         .iter()
         .map(|(_, fit)| fit.loss)
         .fold(base_part.loss, f64::min);
     let (mut whole, mut on_part) = (Vec::new(), Vec::new());
+    let explained = explored
+        .first()
+        .is_some_and(|(_, fit)| fit.is_explained_but_rough(&part));
     for (rank, (entry, found)) in explored.into_iter().enumerate() {
         let gains = found.loss < base_part.loss - LEAST_PROMISE;
-        if gains && (rank < FINALISTS || found.loss < best + HOPELESS) {
+        let rivals = if wrong {
+            found.loss < best + HOPELESS
+        } else {
+            rank < MOST_RIVALS && found.loss < best + RIVALS
+        };
+        if gains && (rivals || !explained && rank < FINALISTS) {
             progress(entry.name);
             let look = first_look(data, found.hypothesis, base, wrong);
-            let fitted = fit(data, look.hypothesis, look.starts, 25, base.judging);
-            whole.push((entry, with_nominal_anew(data, fitted)));
+            whole.push((
+                entry,
+                fit(data, look.hypothesis, look.starts, 25, base.judging),
+            ));
         } else {
             on_part.push((entry, found));
         }
@@ -169,6 +202,44 @@ fn compared(data: &Data, base: Fit, fits: Vec<(&'static Entry, Fit)>, scale: f64
             }
         })
         .collect()
+}
+
+/// The best fit of each entry on a part of the windows, best first. The base is so wrong that windows of the usual
+/// length go astray, so that the effects are fitted over short ones first.
+fn explore_closely(
+    data: &Data,
+    part: &Data,
+    base_part: &Fit,
+    without: &[String],
+    progress: &mut dyn FnMut(&str),
+) -> Vec<(&'static Entry, Fit)> {
+    let (close, base) = close_up(data, &base_part.hypothesis);
+    let explored = explore(&close, &base, without, true, progress);
+    let nearest = explored.first().map_or(base.loss, |(_, fit)| fit.loss);
+    let mut best = base_part.loss;
+    let mut found: Vec<(&'static Entry, Fit)> = Vec::new();
+    for (rank, (entry, close_fit)) in explored.into_iter().enumerate() {
+        let rivals = rank < FINALISTS || close_fit.loss < nearest + HOPELESS;
+        let look = first_look(part, close_fit.hypothesis, base_part, true);
+        let mut fitted = look;
+        if rivals && fitted.promised_loss(part) < best + HOPELESS {
+            progress(entry.name);
+            fitted = fit(part, fitted.hypothesis, fitted.starts, 4, base_part.judging);
+            if fitted.promised_loss(part) < best + HOPELESS {
+                fitted = fit(
+                    part,
+                    fitted.hypothesis,
+                    fitted.starts,
+                    20,
+                    base_part.judging,
+                );
+            }
+        }
+        best = best.min(fitted.loss);
+        found.push((entry, fitted));
+    }
+    found.sort_by(|a, b| a.1.loss.total_cmp(&b.1.loss));
+    found
 }
 
 /// What is known while starts are followed up on a part of the windows.
@@ -280,7 +351,7 @@ impl Exploration<'_> {
                 fitted = self.go_on(fitted, 5);
                 if fitted.iterations >= 5 && fitted.promised_loss(self.part) < self.best + HOPELESS
                 {
-                    fitted = with_nominal_anew(self.part, self.go_on(fitted, 20));
+                    fitted = self.go_on(fitted, 20);
                 }
                 self.best = self.best.min(fitted.loss);
                 self.explained |= fitted.is_explained(self.part)
@@ -305,7 +376,7 @@ fn entry_looks(part: &Data, base: &Fit, entry: &Entry, wrong: bool) -> Vec<Fit> 
         .starts(&base.hypothesis, wrong)
         .into_iter()
         .filter(|start| start.dimension() <= super::gram::MOST_FREE)
-        .map(|start| first_look(part, start, base, wrong))
+        .map(|start| fit(part, start, base.starts.clone(), 0, base.judging))
         .collect();
     // Many starts scan a range in which only the neighbourhood of the best is worth steps.
     if first.len() > SCANNED {
@@ -315,44 +386,34 @@ fn entry_looks(part: &Data, base: &Fit, entry: &Entry, wrong: bool) -> Vec<Fit> 
     first
 }
 
-/// The best fit of one entry on top of `base`: every start is looked at on a part of the windows, the
-/// two best are fitted there and the better one to all. `None` where the effect makes no sense.
+/// The best fit of one entry on top of `base`: every start is looked at on a part of short windows, the best is fitted
+/// there and then to all windows of the usual length. `None` where the effect makes no sense.
 pub fn fit_entry(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
-    let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning(data)).collect();
-    let part = data.part(&kept);
-    let from = base.part(&part, &kept).judged_by_itself(&part);
-    let looks = entry_looks(&part, &from, entry, true);
-    let best = looks
+    let (close, from) = close_up(data, &base.hypothesis);
+    let best = entry_looks(&close, &from, entry, true)
         .into_iter()
-        .map(|look| fit(&part, look.hypothesis, look.starts, 2, from.judging))
-        .map(|look| (look.promised_loss(&part), look))
+        .map(|look| fit(&close, look.hypothesis, look.starts, 2, from.judging))
+        .map(|look| (look.promised_loss(&close), look))
         .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, look)| fit(&part, look.hypothesis, look.starts, 20, from.judging))
-        .map(|found| with_nominal_anew(&part, found))?;
+        .map(|(_, look)| fit(&close, look.hypothesis, look.starts, 20, from.judging))?;
     let look = first_look(data, best.hypothesis, base, true);
-    let fitted = fit(data, look.hypothesis, look.starts, 25, base.judging);
-    Some(with_nominal_anew(data, fitted))
+    Some(fit(data, look.hypothesis, look.starts, 25, base.judging))
 }
 
-/// `fitted`, or what comes of its effects with the analyst's nominal parameters and the measured starts where that is
-/// better. While an effect was missing the nominal parameters were bent to make up for it, and may be stuck there.
-fn with_nominal_anew(data: &Data, fitted: Fit) -> Fit {
-    if fitted.misfit(data) < WRONG {
-        return fitted;
-    }
-    let anchors = data.windows.iter().map(|window| window.anchor).collect();
-    let anew = fit(
-        data,
-        fitted.hypothesis.with_analysts_values(),
-        anchors,
+/// A part of the records cut into short windows, and `hypothesis` fitted to it.
+pub fn close_up(data: &Data, hypothesis: &Hypothesis) -> (Data, Fit) {
+    let close = data.recut(SHORT);
+    let kept: Vec<usize> = (0..close.windows.len()).step_by(thinning(&close)).collect();
+    let close = close.part(&kept);
+    let fitted = fit(
+        &close,
+        hypothesis.clone(),
+        close.anchors(),
         15,
-        fitted.judging,
-    );
-    if anew.loss < fitted.loss {
-        anew
-    } else {
-        fitted
-    }
+        Robust::JUDGING,
+    )
+    .judged_by_itself(&close);
+    (close, fitted)
 }
 
 fn thinning(data: &Data) -> usize {

@@ -1,10 +1,12 @@
 //! Windows: stretches of a record over which the model is restarted from the measured motion.
 
 use super::run::Run;
-use stickslip::plant::{RigState, STATES, index};
+use stickslip::plant::{Rig, RigState, STATES, index};
 
 /// Length of a window [s].
 pub const LENGTH: f64 = 0.5;
+/// Length of a window over which even a wrong model stays near the measured motion [s].
+pub const SHORT: f64 = 0.15;
 /// Length of the pieces over which a disturbance torque is held [s].
 pub const PIECE: f64 = 0.05;
 /// Acceleration from which on it is clear whether the disc speeds up or slows down [rad/s²].
@@ -106,74 +108,86 @@ impl Begin {
     }
 }
 
-/// Cuts a record into windows that start where `begin` wants it, as far as there is such a place.
-pub fn windows(
-    run_index: usize,
-    run: &Run,
-    back_emf: f64,
-    resistance: f64,
-    begin: Begin,
-) -> Vec<Window> {
-    let per_window = (LENGTH / run.interval()).round().max(4.0) as usize;
-    let reach = (per_window as f64 * begin.reach()) as usize;
-    let mut windows = Vec::new();
-    let mut first = 0;
-    while first + per_window / 2 < run.len() {
-        let mut last = (first + per_window).min(run.len() - 1);
-        let within = |d: &usize| last + d < run.len();
-        let good = (0..reach)
-            .take_while(within)
-            .find(|d| begin.is_good(run, last + d))
-            .or_else(|| {
-                (0..per_window / 2)
-                    .take_while(within)
-                    .find(|d| motion(run, last + d) != Motion::Unclear)
-            });
-        last += good.unwrap_or(0);
-        last = last.min(run.len() - 1);
-        windows.push(window(run_index, run, first, last, back_emf, resistance));
-        first = last;
-    }
-    windows
+/// How records are cut into windows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// Length of a window [s].
+    pub length: f64,
+    /// Where windows are wanted to start.
+    pub begin: Begin,
+    /// Back-EMF constant seen from the gearbox output [V s/rad].
+    pub back_emf: f64,
+    /// Armature resistance [Ω].
+    pub resistance: f64,
 }
 
-fn window(
-    run_index: usize,
-    run: &Run,
-    first: usize,
-    last: usize,
-    back_emf: f64,
-    resistance: f64,
-) -> Window {
-    let mut anchor = [0.0; STATES];
-    if first == 0 && starts_at_rest(run) {
-        let tiny = 1e-9;
-        return Window {
+impl Cut {
+    /// Windows of the usual length for records of this rig.
+    pub fn of(rig: &Rig<f64>, begin: Begin) -> Self {
+        Self {
+            length: LENGTH,
+            begin,
+            back_emf: rig.gearbox.ratio * rig.motor.back_emf_constant,
+            resistance: rig.motor.resistance,
+        }
+    }
+
+    /// Cuts a record into windows that start where they are wanted, as far as there is such a place.
+    pub fn windows(&self, run_index: usize, run: &Run) -> Vec<Window> {
+        let per_window = (self.length / run.interval()).round().max(4.0) as usize;
+        let reach = (per_window as f64 * self.begin.reach()) as usize;
+        let mut windows = Vec::new();
+        let mut first = 0;
+        while first + per_window / 2 < run.len() {
+            let mut last = (first + per_window).min(run.len() - 1);
+            let within = |d: &usize| last + d < run.len();
+            let good = (0..reach)
+                .take_while(within)
+                .find(|d| self.begin.is_good(run, last + d))
+                .or_else(|| {
+                    (0..per_window / 2)
+                        .take_while(within)
+                        .find(|d| motion(run, last + d) != Motion::Unclear)
+                });
+            last += good.unwrap_or(0);
+            last = last.min(run.len() - 1);
+            windows.push(self.window(run_index, run, first, last));
+            first = last;
+        }
+        windows
+    }
+
+    fn window(&self, run_index: usize, run: &Run, first: usize, last: usize) -> Window {
+        let mut anchor = [0.0; STATES];
+        if first == 0 && starts_at_rest(run) {
+            let tiny = 1e-9;
+            return Window {
+                run: run_index,
+                first,
+                last,
+                anchor,
+                acceleration: 0.0,
+                deviations: [tiny; 6],
+            };
+        }
+        let stuck = motion(run, first) == Motion::Stuck;
+        let (theta, omega, acceleration) = line(run, 0, 1, first);
+        let (theta3, omega3, _) = line(run, 2, 3, first);
+        anchor[index::THETA] = theta;
+        anchor[index::OMEGA] = if stuck { 0.0 } else { omega };
+        anchor[index::THETA3] = theta3;
+        anchor[index::OMEGA3] = omega3;
+        let voltage = run.voltage[first.saturating_sub(1)];
+        anchor[index::CURRENT] = (voltage - self.back_emf * omega3) / self.resistance;
+        let disc_velocity = if stuck { AT_REST } else { 1.0 };
+        Window {
             run: run_index,
             first,
             last,
             anchor,
-            acceleration: 0.0,
-            deviations: [tiny; 6],
-        };
-    }
-    let stuck = motion(run, first) == Motion::Stuck;
-    let (theta, omega, acceleration) = line(run, 0, 1, first);
-    let (theta3, omega3, _) = line(run, 2, 3, first);
-    anchor[index::THETA] = theta;
-    anchor[index::OMEGA] = if stuck { 0.0 } else { omega };
-    anchor[index::THETA3] = theta3;
-    anchor[index::OMEGA3] = omega3;
-    let voltage = run.voltage[first.saturating_sub(1)];
-    anchor[index::CURRENT] = (voltage - back_emf * omega3) / resistance;
-    let disc_velocity = if stuck { AT_REST } else { 1.0 };
-    Window {
-        run: run_index,
-        first,
-        last,
-        anchor,
-        acceleration,
-        deviations: [0.5, disc_velocity, 0.1, 0.3, 2.0, 0.05],
+            acceleration,
+            deviations: [0.5, disc_velocity, 0.1, 0.3, 2.0, 0.05],
+        }
     }
 }
 
@@ -254,10 +268,16 @@ mod tests {
 
     #[test]
     fn a_stretch_after_a_hole_starts_where_the_disc_is() {
-        let from_zero = windows(0, &resting(0.0), 0.5, 0.3, Begin::Clear);
+        let cut = Cut {
+            length: LENGTH,
+            begin: Begin::Clear,
+            back_emf: 0.5,
+            resistance: 0.3,
+        };
+        let from_zero = cut.windows(0, &resting(0.0));
         assert_eq!(from_zero[0].anchor[index::THETA], 0.0);
         assert!(from_zero[0].deviations[0] < 1e-6);
-        let turned_on = windows(0, &resting(31.4), 0.5, 0.3, Begin::Clear);
+        let turned_on = cut.windows(0, &resting(31.4));
         assert!((turned_on[0].anchor[index::THETA] - 31.4).abs() < 1e-9);
         assert!(turned_on[0].deviations[0] > 0.1);
     }
