@@ -4,6 +4,9 @@
 //! deviations, and derivatives that say nothing of how to bring the two together. Few such windows would outvote all
 //! others, so that a window's part of the loss is bounded: with s its residual size and c the limit, s² up to c and
 //! 2 c² − c⁴/s² beyond, whose derivative with respect to s² falls as (c/s)⁴.
+//!
+//! What a model misses counts as noise: the loss is taken relative to its variance, the squared median of s, so that
+//! parameters which are known beforehand are not bent by many times their uncertainty to make up for a missing effect.
 
 use super::marginal::Reduced;
 
@@ -19,8 +22,7 @@ const CERTAINLY_MISSED: f64 = 1.15;
 pub struct Robust {
     /// Residual size per residual, relative to noise, up to which a window counts with its square.
     limit: f64,
-    /// Variance of what the model misses, relative to the sensors': what is known of the parameters beforehand counts by
-    /// that much more against the windows.
+    /// Variance of what the model misses, relative to the sensors'; 1 where that is nothing certain.
     scale: f64,
 }
 
