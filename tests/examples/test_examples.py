@@ -14,6 +14,7 @@ import numpy
 import pandas
 import psutil
 import pytest
+from fmpy.util import read_ref_opt_file
 from nbclient import NotebookClient
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -106,6 +107,21 @@ def test_measures_tell_the_right_model_from_a_wrong_one(fmu, tmp_path):
     assert right["rmse"] < 0.02 and right["pc"] > 0.9999
     assert bad["rmse"] > 10 * right["rmse"]
     assert is_picture(tmp_path / "validation.png")
+
+
+@pytest.mark.parametrize("version, folder", [("2.0", "linux64"), ("3.0", "x86_64-linux")])
+def test_an_importer_meets_the_cross_check_s_reference(tmp_path, version, folder):
+    model = ROOT / "modelDescription" / "reduced-rig.toml"
+    command = [PROGRAMS / "stickslip", "cross-check", model, "--speed-rpm", "55", "--normal-force", "50"]
+    subprocess.run([*command, "--out", tmp_path], check=True)
+    (place,) = (tmp_path / version / "cs" / folder / "stickslip").glob("*/ReducedRig")
+    options = read_ref_opt_file(place / "ReducedRig_ref.opt")
+    inputs = pandas.read_csv(place / "ReducedRig_in.csv", index_col="time")
+    reference = pandas.read_csv(place / "ReducedRig_ref.csv", index_col="time")
+    assert (options["StartTime"], options["StopTime"]) == (0.0, 60.0) == (inputs.index[0], inputs.index[-1])
+    run = rig.simulate(place / "ReducedRig.fmu", options["StopTime"], options["StepSize"], inputs, list(reference.columns))
+    assert len(reference) == len(run) == 6001 and reference["theta"].iloc[-1] > 300
+    assert numpy.abs(run.to_numpy() - reference.to_numpy()).max() < 1e-9
 
 
 def study(folder, fmu, *more):

@@ -8,6 +8,7 @@ use clap_complete::Shell;
 use crate::build::{self, BuildArguments};
 use crate::calibrate::{self, command::CalibrateArguments};
 use crate::closed_loop::{self, ClosedLoopArguments};
+use crate::cross_check::{self, CrossCheckArguments};
 use crate::diagnose::command::{self as diagnose, AmendArguments, DiagnoseArguments};
 use crate::diagnose::effect_page::{self, EffectsArguments};
 use crate::diagnose::score::{self, ScoreArguments};
@@ -95,6 +96,11 @@ Then: stickslip show my-case --out result")]
     #[command(after_help = "Example: stickslip build rig.toml --out fmus
          stickslip build rig.toml --platform linux64 --platform win64 --out fmus")]
     Build(BuildArguments),
+    /// FMUs with inputs, reference results and options of the FMI Cross-Check.
+    #[command(
+        after_help = "Example: stickslip cross-check rig.toml --speed-rpm 55 --normal-force 50 --out cross-check"
+    )]
+    CrossCheck(CrossCheckArguments),
     /// The dissertation's computations, with the published numbers beside ours.
     #[command(after_help = "Example: stickslip experiment list
          stickslip experiment run table-4.7
@@ -143,6 +149,7 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Effects(arguments) => effect_page::command(arguments),
         Command::Score(arguments) => score::command(arguments),
         Command::Build(arguments) => build::command(arguments),
+        Command::CrossCheck(arguments) => cross_check::command(arguments),
         Command::Experiment(arguments) => experiment::command::run(arguments),
         Command::Identify(arguments) => identify::command::run(arguments),
         Command::Calibrate(arguments) => calibrate::command::run(arguments),

@@ -1,6 +1,6 @@
 //! The workbench behind the command `stickslip`: simulating, mapping and examining the rig.
 //!
-//! One module per command: [`simulate`], [`map`], [`closed_loop`], [`info`], [`diagnose`], [`build`], [`experiment`], [`identify`],
+//! One module per command: [`simulate`], [`map`], [`closed_loop`], [`info`], [`diagnose`], [`build`], [`cross_check`], [`experiment`], [`identify`],
 //! [`calibrate`]; [`cli`] dispatches. They stand on
 //!
 //! - [`component`]: the native model and FMUs of both versions behind one trait;
@@ -14,6 +14,7 @@ pub mod calibrate;
 pub mod cli;
 pub mod closed_loop;
 pub mod component;
+pub mod cross_check;
 pub mod diagnose;
 pub mod experiment;
 pub mod files;
