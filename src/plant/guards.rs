@@ -1,7 +1,7 @@
 //! What ends each mode: the guards' series, collected from the series just computed.
 
-use super::expansion::PinJet;
 use super::index::{OMEGA, OMEGA1, OMEGA3};
+use super::jet::PinJet;
 use super::{Contact, Coupling, Rig, RigGuard, RigJet, RigMode};
 use crate::friction::{ContactMode, Direction, Law, Regime};
 use crate::integrator::Guard;

@@ -4,11 +4,15 @@
 //! positive slip velocity and acts on its disc as −T. All quantities are on the shaft side of the
 //! gearbox unless their name says motor.
 
+mod bodies;
+mod effect_series;
 mod effects;
 mod expansion;
 mod guards;
 mod inputs;
+mod jet;
 mod linear_parts;
+mod load;
 mod mode;
 mod model_file;
 mod plain_motion;
@@ -22,8 +26,8 @@ mod tangent;
 
 pub use crate::parameter::{ModelFileError, Parameter, Provenance};
 pub use effects::*;
-pub use expansion::RigJet;
 pub use inputs::{INPUT_TERMS, RigInputs};
+pub use jet::RigJet;
 pub use mode::{Contact, Coupling, RigGuard, RigMode};
 pub use model_file::ModelFile;
 pub use rig::{Outer, Rig, RigKind, RigState, STATES, index};

@@ -3,8 +3,9 @@
 //! The chain from one order to the next is what costs: everything that does not depend on the
 //! coefficient just found is kept off it.
 
-use super::expansion::{PinJet, SlipTemplate, contact_order};
+use super::bodies::{SlipTemplate, contact_order};
 use super::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
+use super::jet::PinJet;
 use super::{Rig, RigInputs, RigJet, RigMode};
 use crate::friction::{ContactMode, ExponentialCurve, Law, Regime};
 use crate::series::{RECIPROCAL, Scalar, Series, TERMS};

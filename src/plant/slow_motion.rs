@@ -1,8 +1,8 @@
 //! Segments on the slow manifold: Taylor series of the slow motion, which the motor side follows.
 
 use super::Rig;
-use super::expansion::RigJet;
 use super::index::{self, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
+use super::jet::RigJet;
 use super::linear_parts::LinearParts;
 use super::plain_motion::Pin;
 use super::slow_manifold::{

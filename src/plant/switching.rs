@@ -1,7 +1,7 @@
 //! How a rig changes its modes.
 
-use super::expansion::PinJet;
 use super::index::{OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
+use super::jet::PinJet;
 use super::{Contact, Coupling, Rig, RigGuard, RigInputs, RigJet, RigMode, RigState};
 use crate::friction::{ContactMode, Direction, Law, Regime};
 use crate::integrator::{Guard, HybridSystem};

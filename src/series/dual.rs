@@ -1,7 +1,7 @@
 //! Dual numbers: a value with its derivatives with respect to `N` quantities.
 
 use super::Scalar;
-use super::power_series::{RECIPROCAL, TERMS};
+use super::power_series::{RECIPROCAL, TERMS, evaluate_derivative};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// A value and its `N` forward derivatives.
@@ -70,23 +70,34 @@ fn weighted_sum<'a, const N: usize, const M: usize>(
     sums
 }
 
-/// Σ over j < `count` and m < `products` of factor × derivatives.
+/// Σ over j < `count` and m < `products` of factor × derivatives. The first products start the sums, as
+/// adding to zeros costs as much as any other addition.
 #[inline(always)]
 fn block_sum<'a, const W: usize>(
     count: usize,
     term: impl Fn(usize, usize) -> (f64, &'a [f64; W]),
     products: usize,
 ) -> [f64; W] {
-    let mut sums = [0.0; W];
-    for j in 0..count {
+    let product = |j: usize| {
+        let (factor, derivatives) = term(j, 0);
         let mut now = [0.0; W];
-        for m in 0..products {
+        for (now, derivative) in now.iter_mut().zip(derivatives) {
+            *now = factor * derivative;
+        }
+        for m in 1..products {
             let (factor, derivatives) = term(j, m);
-            for (sum, derivative) in now.iter_mut().zip(derivatives) {
-                *sum += factor * derivative;
+            for (now, derivative) in now.iter_mut().zip(derivatives) {
+                *now += factor * derivative;
             }
         }
-        for (sum, now) in sums.iter_mut().zip(now) {
+        now
+    };
+    if count == 0 {
+        return [0.0; W];
+    }
+    let mut sums = product(0);
+    for j in 1..count {
+        for (sum, now) in sums.iter_mut().zip(product(j)) {
             *sum += now;
         }
     }
@@ -234,25 +245,33 @@ impl<const N: usize> Scalar for Dual<N> {
     }
     #[inline]
     fn polynomial(coefficients: &[Self], tau: Self) -> Self {
+        let n = coefficients.len().min(TERMS);
+        let mut plain = [0.0; TERMS];
+        for (plain, c) in plain.iter_mut().zip(coefficients) {
+            *plain = c.value;
+        }
         // Few of the last orders carry derivatives where these are computed apart.
-        let mut carried = coefficients.len();
+        let mut carried = n;
         while carried > 0 && coefficients[carried - 1].derivative == [0.0; N] {
             carried -= 1;
         }
+        let square = tau.value * tau.value;
         let mut powers = [1.0; TERMS];
-        for k in 1..carried {
-            powers[k] = powers[k - 1] * tau.value;
-        }
-        let (mut value, mut slope) = (0.0, 0.0);
-        for c in coefficients.iter().rev() {
-            slope = slope * tau.value + value;
-            value = value * tau.value + c.value;
+        powers[1] = tau.value;
+        for k in 2..carried {
+            powers[k] = powers[k - 2] * square;
         }
         let mut derivative = weighted_sum(carried, |k| [(powers[k], &coefficients[k].derivative)]);
-        for (sum, shift) in derivative.iter_mut().zip(&tau.derivative) {
-            *sum += slope * shift;
+        if tau.varies() {
+            let slope = evaluate_derivative(&plain[..n], tau.value);
+            for (sum, shift) in derivative.iter_mut().zip(&tau.derivative) {
+                *sum += slope * shift;
+            }
         }
-        Self { value, derivative }
+        Self {
+            value: f64::polynomial(&plain[..n], tau.value),
+            derivative,
+        }
     }
     fn exp(self) -> Self {
         let e = libm::exp(self.value);

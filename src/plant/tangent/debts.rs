@@ -1,7 +1,7 @@
 //! What parameters do to the accelerations while the motion is held.
 
 use crate::plant::linear_parts::LinearParts;
-use crate::series::{Scalar, Series, TERMS};
+use crate::series::{Scalar, Series};
 
 /// Rows of the equations of motion: accelerations of D2, D1 and of the gearbox output, and di/dt.
 pub(super) const ON_DISC: usize = 0;
@@ -10,8 +10,8 @@ pub(super) const ON_MOTOR: usize = 2;
 pub(super) const ON_CIRCUIT: usize = 3;
 pub(super) const ROWS: usize = 4;
 
-/// What the parameters owe to each row, order by order; derivatives only.
-pub(super) type Owed<S> = [[S; ROWS]; TERMS];
+/// What the parameters owe to each row; derivatives only.
+pub(super) type Owed<S> = [Series<S>; ROWS];
 
 /// Series of the motion with which parameters enter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,7 +147,7 @@ pub(super) fn add_series<S: Scalar>(
     top: usize,
     owed: &mut Owed<S>,
 ) {
-    for (owed, c) in owed[..=top].iter_mut().zip(series) {
-        owed[row].add_to_slot(slot, factor * c);
+    for (owed, c) in owed[row][..=top].iter_mut().zip(series) {
+        owed.add_to_slot(slot, factor * c);
     }
 }

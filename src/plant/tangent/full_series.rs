@@ -66,7 +66,6 @@ impl<S: Scalar> Tangent<S> {
         let [accelerations, accelerations_1] = &mut **accelerations;
         for k in 0..=order.min(TERMS - 2) {
             let per_next = RECIPROCAL[k + 1];
-            let owed = &owed[k];
             let (twist, rate) = (x[THETA][k] - x[THETA3][k], x[OMEGA][k] - x[OMEGA3][k]);
             let shaft = S::combined([(stiffness, &twist), (damping, &rate)]);
             let mut on_disc = S::ZERO;
@@ -75,7 +74,7 @@ impl<S: Scalar> Tangent<S> {
                 on_disc = S::combined([(stiffness_1, &twist), (damping_1, &rate)]);
                 let torques = S::combined([
                     (-parts.inverse_inertia_1, &on_disc),
-                    (1.0, &owed[ON_DISC_1]),
+                    (1.0, &owed[ON_DISC_1][k]),
                 ]);
                 let acceleration =
                     pins[1].acceleration(k, torques, &x[THETA1], &x[OMEGA1], accelerations_1);
@@ -85,7 +84,7 @@ impl<S: Scalar> Tangent<S> {
             let torques = S::combined([
                 (-parts.inverse_inertia, &shaft),
                 (parts.inverse_inertia, &on_disc),
-                (1.0, &owed[ON_DISC]),
+                (1.0, &owed[ON_DISC][k]),
             ]);
             let acceleration =
                 pins[0].acceleration(k, torques, &x[THETA], &x[OMEGA], accelerations);
@@ -98,7 +97,7 @@ impl<S: Scalar> Tangent<S> {
                         &x[CURRENT][k],
                     ),
                     (-on_motor * parts.motor_damping * per_next, &x[OMEGA3][k]),
-                    (per_next, &owed[ON_MOTOR]),
+                    (per_next, &owed[ON_MOTOR][k]),
                 ])
             } else {
                 S::ZERO
@@ -106,7 +105,7 @@ impl<S: Scalar> Tangent<S> {
             x[CURRENT][k + 1] = S::combined([
                 (-on_circuit * parts.resistance * per_next, &x[CURRENT][k]),
                 (-on_circuit * parts.back_emf * per_next, &x[OMEGA3][k]),
-                (per_next, &owed[ON_CIRCUIT]),
+                (per_next, &owed[ON_CIRCUIT][k]),
             ]);
             x[THETA][k + 1] = S::combined([(per_next, &x[OMEGA][k])]);
             x[THETA3][k + 1] = S::combined([(per_next, &x[OMEGA3][k])]);

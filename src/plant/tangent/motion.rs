@@ -16,8 +16,7 @@ pub(super) const LOWEST_ORDER: usize = 4;
 /// orders do, and derivatives count as free of transients about where the motion does.
 pub(super) const ACCURACY: f64 = 1e-9;
 
-/// Terms of a derivative's series by which its size is judged on the slow manifold; right behind a switch
-/// any number of them may vanish.
+/// Terms of a derivative's series by which its size is judged.
 const FIRST_TERMS: usize = 4;
 
 /// A motion and the equations of its derivatives.
@@ -52,7 +51,7 @@ impl<S: Scalar> Tangent<S> {
             jet: RigJet::new(&plain),
             rig: plain,
             pins: [PinTangent::new(&rig.law), PinTangent::new(outer)],
-            owed: Box::new([[S::ZERO; ROWS]; TERMS]),
+            owed: Box::new([[S::ZERO; TERMS]; ROWS]),
             accelerations: Box::new([[S::ZERO; TERMS]; 2]),
             debts: Debts::new(parts),
             motion: Box::new([[0.0; TERMS]; KINDS]),
@@ -72,15 +71,16 @@ impl<S: Scalar> Tangent<S> {
     /// Orders of the derivatives to try in the segment just expanded: that up to which they tell if they
     /// are as smooth as the motion, and the last one, `order`, if need be.
     pub fn orders(&mut self, order: usize) -> impl Iterator<Item = usize> + use<S> {
-        self.expected = self.expected_order(order);
+        self.expected = self.expected_order(order, SETTLED_SHARE);
         (!self.lively && self.expected < order)
             .then_some(self.expected)
             .into_iter()
             .chain([order])
     }
 
-    /// Number of the last order whose derivatives tell if they are as smooth as the motion.
-    fn expected_order(&mut self, order: usize) -> usize {
+    /// Number of the last order whose derivatives tell if they are as smooth as the motion, which
+    /// is followed for as long as its terms stay below `share` of the tolerance.
+    fn expected_order(&mut self, order: usize, share: f64) -> usize {
         let mut sizes = [0.0_f64; TERMS];
         for index in [OMEGA, OMEGA3, CURRENT, OMEGA1] {
             let series = &self.jet.states[index];
@@ -91,7 +91,12 @@ impl<S: Scalar> Tangent<S> {
         }
         let (last, before) = (sizes[order], sizes[order - 1]);
         let known = self.tolerance > 0.0;
-        let scale = 1.0 / if known { self.tolerance } else { ACCURACY };
+        let scale = 1.0
+            / if known {
+                share * self.tolerance
+            } else {
+                ACCURACY
+            };
         self.step = step_from_last_terms(last * scale, before * scale, order).min(1.0);
         let (mut power, mut wanted) = (1.0, LOWEST_ORDER);
         for (k, size) in sizes[..=order].iter().enumerate() {
@@ -106,13 +111,11 @@ impl<S: Scalar> Tangent<S> {
 
     /// Finds how far the derivatives up to order `top` in `jet` reach; whether that is as far as the motion.
     pub fn judge(&mut self, top: usize, order: usize, jet: &RigJet<S>) -> bool {
-        // The motion is followed for a little less than its terms allow.
-        let length = self.step * libm::pow(SETTLED_SHARE, 1.0 / order as f64);
         if top == order && self.expected < order {
-            self.lively = self.reach_of(self.expected, FIRST_TERMS, jet) < length;
+            self.lively = self.reach_of(self.expected, FIRST_TERMS, jet) < self.step;
         }
         self.reach = self.reach_of(top, FIRST_TERMS, jet);
-        self.reach >= length
+        self.reach >= self.step
     }
 
     /// Time [s] in which the last terms of the derivatives up to order `top` stay below [`ACCURACY`], their size
@@ -143,8 +146,12 @@ impl<S: Scalar> Tangent<S> {
 
     /// As [`Self::judge`] for a series of all orders, whose motion carries the fast modes.
     pub fn judge_full(&mut self, order: usize, jet: &RigJet<S>) {
-        self.expected = self.expected_order(order);
-        self.reach = self.reach_of(order, order, jet);
+        self.expected = self.expected_order(order, 1.0);
+        self.reach = self.reach_of(order, FIRST_TERMS, jet);
+        if self.reach < self.step {
+            // Right behind a switch any number of terms may vanish.
+            self.reach = self.reach_of(order, order, jet);
+        }
     }
 
     /// Finds the coefficients of the variational equations up to order `top` of the motion in `self.jet`,
@@ -157,7 +164,14 @@ impl<S: Scalar> Tangent<S> {
         jet: &RigJet<S>,
     ) {
         self.collect(mode, top, known);
-        self.owed[..=top].fill([S::ZERO; ROWS]);
+        let used = if self.rig.outer.is_some() {
+            &[ON_DISC, ON_MOTOR, ON_CIRCUIT, ON_DISC_1][..]
+        } else {
+            &[ON_DISC, ON_MOTOR, ON_CIRCUIT][..]
+        };
+        for &row in used {
+            self.owed[row][..=top].fill(S::ZERO);
+        }
         let x = &self.jet.states;
         let parts = &self.jet.parts;
         let [disc, disc_1] = &mut self.pins;
@@ -173,7 +187,7 @@ impl<S: Scalar> Tangent<S> {
         disc.follow(&segment, ON_DISC, top, &mut self.owed);
         if disc.is_driven() {
             self.debts.pay(ON_DISC, top, &self.motion, &mut self.owed);
-            self.owed[0][ON_DISC] += S::combined([(parts.inverse_inertia, &inputs.disc_torque)]);
+            self.owed[ON_DISC][0] += S::combined([(parts.inverse_inertia, &inputs.disc_torque)]);
         }
         if let (Some(outer), Some(plain), Some(load)) =
             (&self.rig.outer, &self.jet.disc1, &jet.disc1)
@@ -194,14 +208,14 @@ impl<S: Scalar> Tangent<S> {
         }
         if !mode.motor.is_stuck() {
             self.debts.pay(ON_MOTOR, top, &self.motion, &mut self.owed);
-            self.owed[0][ON_MOTOR] +=
+            self.owed[ON_MOTOR][0] +=
                 S::combined([(parts.inverse_motor_inertia, &inputs.motor_torque)]);
         }
         self.debts
             .pay(ON_CIRCUIT, top, &self.motion, &mut self.owed);
         for k in 0..INPUT_TERMS.min(top + 1) {
             if jet.voltage[k].varies() {
-                self.owed[k][ON_CIRCUIT] +=
+                self.owed[ON_CIRCUIT][k] +=
                     S::combined([(parts.inverse_inductance, &jet.voltage[k])]);
             }
         }

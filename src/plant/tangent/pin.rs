@@ -2,7 +2,7 @@
 
 use super::debts::{Owed, add_series};
 use crate::friction::{ContactMode, KnownSlip, Law, LevelSlopes, MOST_PARAMETERS, Regime};
-use crate::plant::expansion::PinJet;
+use crate::plant::jet::PinJet;
 use crate::plant::slow_manifold::DiscMotion;
 use crate::series::{Scalar, Series, TERMS, convolution};
 
@@ -204,7 +204,7 @@ fn owe_load<S: Scalar>(
     } else if load.iter().any(Scalar::varies) {
         for k in 0..=top {
             let product = S::filtered(&level[..=k], &load[..=k]);
-            owed[k][row] += S::combined([(scale, &product)]);
+            owed[row][k] += S::combined([(scale, &product)]);
         }
     }
 }

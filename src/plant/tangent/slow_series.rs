@@ -8,8 +8,8 @@ use super::debts::{ON_CIRCUIT, ON_DISC, ON_DISC_1, ON_MOTOR};
 use super::motion::{ACCURACY, Tangent};
 use super::pin::PinTangent;
 use crate::plant::RigState;
-use crate::plant::expansion::RigJet;
 use crate::plant::index::{self, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
+use crate::plant::jet::RigJet;
 use crate::plant::linear_parts::LinearParts;
 use crate::plant::slow_manifold::{
     CURRENT, DISC, DISC_1, DiscMotion, MOTOR, Regimes, SlowManifold, TWIST, TWIST_1,
@@ -20,13 +20,14 @@ use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
 /// The transformations of the rig, and series of derivatives in their coordinates.
 #[derive(Clone, Debug)]
 pub(in crate::plant) struct SlowTangent<S, const N: usize> {
-    manifolds: Vec<(Regimes, Option<SlowManifold<f64, N>>)>,
+    found: Vec<(Regimes, Option<Box<Coordinates<N>>>)>,
     slow: [[S; N]; TERMS],
     fast: [[S; 2]; TERMS],
     forcing: [[S; 2]; TERMS],
 }
 
 /// A manifold with what the recurrences need of it.
+#[derive(Clone, Debug)]
 struct Coordinates<const N: usize> {
     manifold: SlowManifold<f64, N>,
     /// How the slow variables answer to accelerations of D2 and D1: e + H L e.
@@ -68,25 +69,22 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
     pub fn new() -> Self {
         Self {
             // A run meets three or four: disc and motor stuck and sliding.
-            manifolds: Vec::with_capacity(4),
+            found: Vec::with_capacity(4),
             slow: [[S::ZERO; N]; TERMS],
             fast: [[S::ZERO; 2]; TERMS],
             forcing: [[S::ZERO; 2]; TERMS],
         }
     }
 
-    fn coordinates(
-        &mut self,
-        parts: &LinearParts<f64>,
-        regimes: Regimes,
-    ) -> Option<Coordinates<N>> {
-        let known = self.manifolds.iter().position(|(r, _)| *r == regimes);
-        let place = known.unwrap_or_else(|| {
-            self.manifolds
-                .push((regimes, SlowManifold::new(parts, &regimes)));
-            self.manifolds.len() - 1
-        });
-        self.manifolds[place].1.clone().map(Coordinates::new)
+    /// Place in `found` of the transformation for `regimes`.
+    fn coordinates(&mut self, parts: &LinearParts<f64>, regimes: Regimes) -> usize {
+        let known = self.found.iter().position(|(r, _)| *r == regimes);
+        known.unwrap_or_else(|| {
+            let manifold = SlowManifold::new(parts, &regimes);
+            let coordinates = manifold.map(|manifold| Box::new(Coordinates::new(manifold)));
+            self.found.push((regimes, coordinates));
+            self.found.len() - 1
+        })
     }
 
     /// Fills `jet` with the motion in `tangent`, which is linearised up to order `top`, and with the
@@ -101,9 +99,24 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
         tangent: &mut Tangent<S>,
         jet: &mut RigJet<S>,
     ) -> bool {
-        let Some(coordinates) = self.coordinates(&tangent.jet.parts, regimes) else {
+        let place = self.coordinates(&tangent.jet.parts, regimes);
+        let Some(coordinates) = self.found[place].1.take() else {
             return false;
         };
+        let lies_there = self.expand_along(&coordinates, state, top, tolerance, tangent, jet);
+        self.found[place].1 = Some(coordinates);
+        lies_there
+    }
+
+    fn expand_along(
+        &mut self,
+        coordinates: &Coordinates<N>,
+        state: &RigState<S>,
+        top: usize,
+        tolerance: f64,
+        tangent: &mut Tangent<S>,
+        jet: &mut RigJet<S>,
+    ) -> bool {
         let (l, h) = (
             &coordinates.manifold.fast_from_slow,
             &coordinates.manifold.slow_from_fast,
@@ -125,18 +138,18 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
         self.slow[0] = slow;
         self.fast[..=top + 1].fill([S::ZERO; 2]);
         self.fast[0] = fast;
-        self.pass(0..top + 1, &coordinates, tangent, jet);
-        self.follow(&coordinates, top);
+        self.pass(0..top + 1, coordinates, tangent, jet);
+        self.follow(coordinates, top);
         let corrected = tangent.jet.corrected.min(top + 1);
         if corrected > 0 {
-            self.pass(0..corrected, &coordinates, tangent, jet);
-            self.follow(&coordinates, corrected - 1);
+            self.pass(0..corrected, coordinates, tangent, jet);
+            self.follow(coordinates, corrected - 1);
         }
         let missed = [self.fast[0][0] - fast[0], self.fast[0][1] - fast[1]];
         if derivatives_missed(&missed, state) > tolerance.max(ACCURACY) {
             return false;
         }
-        self.assemble(&coordinates, top, tangent, jet);
+        self.assemble(coordinates, top, tangent, jet);
         true
     }
 
@@ -187,17 +200,17 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
             }
             let push = pins[0].push(
                 k,
-                &owed[k][ON_DISC],
+                &owed[ON_DISC][k],
                 &by_shafts[0],
                 &jet.states[OMEGA],
                 accelerations,
             );
-            let (motor, circuit) = (&owed[k][ON_MOTOR], &owed[k][ON_CIRCUIT]);
-            let (mut next, mut forcing) = ([S::ZERO; N], [S::ZERO; 2]);
+            let (motor, circuit) = (&owed[ON_MOTOR][k], &owed[ON_CIRCUIT][k]);
+            let (next, forcing) = (&mut later[0], &mut self.forcing[k]);
             if Self::FULL {
                 let push_1 = pins[1].push(
                     k,
-                    &owed[k][ON_DISC_1],
+                    &owed[ON_DISC_1][k],
                     &by_shafts[1],
                     &jet.states[OMEGA1],
                     accelerations_1,
@@ -235,8 +248,6 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
                     forcing[f] = S::combined([(1.0, direct), (-l[f][DISC], &push)]);
                 }
             }
-            later[0] = next;
-            self.forcing[k] = forcing;
         }
     }
 
@@ -244,20 +255,18 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
     #[inline(always)]
     fn follow(&mut self, coordinates: &Coordinates<N>, top: usize) {
         let inverse = &coordinates.manifold.fast_inverse;
-        let mut next = self.fast[top + 1];
         for k in (0..=top).rev() {
-            let forcing = &self.forcing[k];
+            let (now, later) = self.fast.split_at_mut(k + 1);
+            let (now, next, forcing) = (&mut now[k], &later[0], &self.forcing[k]);
             let scale = (k + 1) as f64;
-            let now = inverse.map(|[a, b]| {
-                S::combined([
+            for (now, [a, b]) in now.iter_mut().zip(inverse) {
+                *now = S::combined([
                     (a * scale, &next[0]),
                     (b * scale, &next[1]),
                     (-a, &forcing[0]),
                     (-b, &forcing[1]),
-                ])
-            });
-            self.fast[k] = now;
-            next = now;
+                ]);
+            }
         }
     }
 

@@ -1,0 +1,284 @@
+//! The rig with its effects: the recurrences order by order, and a pin contact in any of its modes.
+
+use super::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
+use super::jet::{PinJet, RigJet};
+use super::load::MINUTE;
+use super::{Coupling, Rig, RigInputs, RigMode};
+use crate::friction::{ContactMode, Law, RandomFunction, Slip};
+use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
+
+/// The rig's numbers as the recurrences want them.
+pub(super) struct Bodies<'a, S> {
+    pub rig: &'a Rig<S>,
+    pub has_effects: bool,
+    pub inverse_motor_inertia: S,
+    pub inverse_inductance: S,
+    pub ratio: S,
+    pub current_to_torque: S,
+    pub motor_damping: S,
+    pub back_emf: S,
+    pub motor_coulomb: S,
+    pub play: S,
+    pub voltage_factor: S,
+    pub random: Option<RandomFunction>,
+    /// Breakaway levels and zero-velocity decay rates of D2 and D1, constant over a segment.
+    pub breakaway: [S; 2],
+    pub decay: [S; 2],
+    pub disc_slip: SlipTemplate<'a, S>,
+    pub disc1_slip: Option<SlipTemplate<'a, S>>,
+    pub disturbances: [S; 2],
+}
+
+/// What does not change in the course of a segment of one pin contact.
+pub(super) struct SlipTemplate<'a, S> {
+    pub law: &'a Law<S>,
+    pub inertia: S,
+    pub inverse_inertia: S,
+    pub constant_torque: S,
+    pub near: f64,
+    pub folded: bool,
+}
+
+impl<'a, S: Scalar> Bodies<'a, S> {
+    pub fn new(rig: &'a Rig<S>, mode: &RigMode, inputs: &RigInputs<S>) -> Self {
+        let one = S::constant(1.0);
+        let ratio = rig.gearbox.ratio;
+        let motor_inertia = ratio * ratio * rig.motor.inertia;
+        let effects = &rig.effects;
+        let mut viscous = rig.motor.viscous_damping;
+        if let Some(extra) = &effects.motor_viscous {
+            viscous += extra.coefficient;
+        }
+        let gap = effects.backlash.map_or(S::ZERO, |backlash| backlash.gap);
+        let inverse_inertia = one / rig.disc.inertia;
+        let bearing = effects.bearing_friction.map_or(S::ZERO, |b| b.torque);
+        Self {
+            rig,
+            has_effects: effects.act_on_motion(),
+            inverse_motor_inertia: one / motor_inertia,
+            inverse_inductance: one / rig.motor.inductance,
+            ratio,
+            current_to_torque: ratio * rig.motor.torque_constant,
+            motor_damping: ratio * ratio * viscous,
+            back_emf: ratio * rig.motor.back_emf_constant,
+            motor_coulomb: ratio * rig.motor.coulomb_torque,
+            play: gap * 0.5,
+            voltage_factor: effects.supply_sag.map_or(one, |sag| sag.factor),
+            random: effects.stochastic_friction.map(|noise| {
+                RandomFunction::new(noise.seed.value() as u64, noise.correlation_time.value())
+            }),
+            breakaway: [
+                rig.law.breakaway(),
+                rig.outer
+                    .as_ref()
+                    .map_or(S::ZERO, |outer| outer.law.breakaway()),
+            ],
+            decay: [
+                rig.law.band().1,
+                rig.outer
+                    .as_ref()
+                    .map_or(S::ZERO, |outer| outer.law.band().1),
+            ],
+            disturbances: [inputs.disc_torque, inputs.motor_torque],
+            disc_slip: SlipTemplate {
+                law: &rig.law,
+                inertia: rig.disc.inertia,
+                inverse_inertia,
+                constant_torque: bearing,
+                near: mode.near[0],
+                folded: mode.folded[0],
+            },
+            disc1_slip: rig.outer.as_ref().map(|outer| SlipTemplate {
+                law: &outer.law,
+                inertia: outer.disc.inertia,
+                inverse_inertia: one / outer.disc.inertia,
+                constant_torque: S::ZERO,
+                near: mode.near[1],
+                folded: mode.folded[1],
+            }),
+        }
+    }
+
+    #[inline]
+    pub fn expand_order(
+        &self,
+        k: usize,
+        mode: &RigMode,
+        time: S,
+        varying: bool,
+        jet: &mut RigJet<S>,
+    ) {
+        let rig = self.rig;
+        let x = &mut jet.states;
+        let next = if k + 1 < TERMS { k + 1 } else { 0 };
+        let per_next = if next == 0 { 0.0 } else { RECIPROCAL[next] };
+
+        let mut twist = x[THETA][k] - x[THETA3][k];
+        let twist_rate = x[OMEGA][k] - x[OMEGA3][k];
+        let mut shaft_torque = rig.shaft.damping * twist_rate;
+        if self.has_effects {
+            jet.twist[k] = twist;
+            if mode.coupling == Coupling::Free {
+                twist = S::ZERO;
+                shaft_torque = S::ZERO;
+            } else if k == 0 {
+                match mode.coupling {
+                    Coupling::Ahead => twist -= self.play,
+                    _ => twist += self.play,
+                }
+            }
+        }
+        shaft_torque += rig.shaft.stiffness * twist;
+
+        let mut on_disc = S::ZERO;
+        let mut on_motor = S::ZERO;
+        let mut voltage = jet.voltage[k];
+        let mut resistance_drop = rig.motor.resistance * x[CURRENT][k];
+        if self.has_effects {
+            if let Some(work) = &mut jet.effects {
+                work.elastic_twist[k] = twist;
+                let extra = self.effect_shaft_torque(k, twist_rate, x, next, per_next, work);
+                if mode.coupling != Coupling::Free {
+                    shaft_torque += extra;
+                }
+                on_disc = self.effect_disc_torque(k, mode, x, work);
+                on_motor = self.effect_motor_torque(k, x, work);
+                if varying {
+                    self.effect_load(k, time, x, &mut jet.disc.load, work);
+                }
+            }
+            voltage = voltage * self.voltage_factor;
+            if let Some(drift) = &rig.effects.resistance_drift {
+                let rate = drift.rate_per_minute * (1.0 / MINUTE);
+                let mut extra = rate * time * x[CURRENT][k];
+                if k > 0 {
+                    extra += rate * x[CURRENT][k - 1];
+                }
+                resistance_drop += rig.motor.resistance * extra;
+            }
+        }
+
+        if k == 0 {
+            on_disc += self.disturbances[0];
+            on_motor += self.disturbances[1];
+        }
+        let mut resisting = shaft_torque - on_disc;
+        if let (Some(outer), Some(template), Some(pin)) =
+            (&rig.outer, &self.disc1_slip, &mut jet.disc1)
+        {
+            let outer_torque = outer.shaft.stiffness * (x[THETA1][k] - x[THETA][k])
+                + outer.shaft.damping * (x[OMEGA1][k] - x[OMEGA][k]);
+            resisting -= outer_torque;
+            let acceleration = contact_order(
+                k,
+                mode.disc1,
+                outer_torque,
+                self.breakaway[1],
+                self.decay[1],
+                template,
+                &x[THETA1],
+                &x[OMEGA1],
+                pin,
+            );
+            x[OMEGA1][next] = acceleration * per_next;
+            x[THETA1][next] = x[OMEGA1][k] * per_next;
+        }
+
+        let acceleration = contact_order(
+            k,
+            mode.disc,
+            resisting,
+            self.breakaway[0],
+            self.decay[0],
+            &self.disc_slip,
+            &x[THETA],
+            &x[OMEGA],
+            &mut jet.disc,
+        );
+        x[OMEGA][next] = acceleration * per_next;
+        x[THETA][next] = x[OMEGA][k] * per_next;
+
+        let drive = self.current_to_torque * x[CURRENT][k] - self.motor_damping * x[OMEGA3][k]
+            + shaft_torque
+            + on_motor;
+        let (friction, motor_acceleration) = match mode.motor {
+            ContactMode::Stuck => (drive, S::ZERO),
+            ContactMode::Breaking(direction) | ContactMode::Slipping(direction, _) => {
+                let friction = if k == 0 {
+                    self.motor_coulomb * direction.sign()
+                } else {
+                    S::ZERO
+                };
+                (friction, (drive - friction) * self.inverse_motor_inertia)
+            }
+        };
+        jet.motor_torque[k] = friction;
+        x[OMEGA3][next] = motor_acceleration * per_next;
+        x[THETA3][next] = x[OMEGA3][k] * per_next;
+        x[CURRENT][next] = (voltage - resistance_drop - self.back_emf * x[OMEGA3][k])
+            * self.inverse_inductance
+            * per_next;
+    }
+}
+
+/// Order `k` of one pin contact; returns the coefficient of its disc's acceleration.
+#[allow(clippy::too_many_arguments)]
+#[inline]
+pub(super) fn contact_order<S: Scalar>(
+    k: usize,
+    mode: ContactMode,
+    resisting: S,
+    breakaway: S,
+    decay: S,
+    template: &SlipTemplate<'_, S>,
+    theta: &Series<S>,
+    omega: &Series<S>,
+    pin: &mut PinJet<S>,
+) -> S {
+    pin.resisting[k] = resisting;
+    match mode {
+        ContactMode::Slipping(direction, regime) => {
+            let sign = direction.sign();
+            let slip = Slip {
+                law: template.law,
+                regime,
+                inertia: template.inertia,
+                inverse_inertia: template.inverse_inertia,
+                constant_torque: template.constant_torque,
+                load: &pin.load,
+                load_is_constant: pin.load_is_constant,
+                near: template.near,
+                folded: template.folded,
+            };
+            pin.slip.speed[k] = omega[k] * sign;
+            slip.expand_order(k, resisting * sign, theta, &mut pin.slip);
+            pin.torque[k] = pin.slip.torque[k] * sign;
+            pin.slip.acceleration[k] * sign
+        }
+        ContactMode::Stuck => {
+            let acceleration = -(decay * omega[k]);
+            pin.torque[k] = -(resisting + template.inertia * acceleration);
+            breakaway_order(k, breakaway, template, pin);
+            acceleration
+        }
+        ContactMode::Breaking(direction) => {
+            breakaway_order(k, breakaway, template, pin);
+            pin.torque[k] = pin.breakaway[k] * direction.sign();
+            -((resisting + pin.torque[k]) * template.inverse_inertia)
+        }
+    }
+}
+
+fn breakaway_order<S: Scalar>(
+    k: usize,
+    level: S,
+    template: &SlipTemplate<'_, S>,
+    pin: &mut PinJet<S>,
+) {
+    let constant = if k == 0 {
+        template.constant_torque
+    } else {
+        S::ZERO
+    };
+    pin.breakaway[k] = pin.load[k] * level + constant;
+}

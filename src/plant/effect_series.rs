@@ -1,0 +1,170 @@
+//! What the effects add to the torques and to the load, order by order.
+
+use super::bodies::Bodies;
+use super::index::{OMEGA, RELAXING_TORQUE, THETA, THETA3};
+use super::jet::EffectJet;
+use super::{RigMode, STATES};
+use crate::friction::{ContactMode, HARMONICS, RandomFunction};
+use crate::series::{RECIPROCAL, Scalar, Series, convolution, cosine_sine};
+
+impl<S: Scalar> Bodies<'_, S> {
+    pub fn effect_shaft_torque(
+        &self,
+        k: usize,
+        twist_rate: S,
+        x: &mut [Series<S>; STATES],
+        next: usize,
+        per_next: f64,
+        work: &mut EffectJet<S>,
+    ) -> S {
+        let mut torque = S::ZERO;
+        if let Some(hardening) = &self.rig.effects.shaft_hardening {
+            let twist = &work.elastic_twist[..=k];
+            work.twist_square[k] = convolution(twist, twist);
+            torque += hardening.cubic_stiffness * convolution(&work.twist_square[..=k], twist);
+        }
+        if let Some(hysteresis) = &self.rig.effects.shaft_hysteresis {
+            let relaxing = x[RELAXING_TORQUE][k];
+            torque += relaxing;
+            x[RELAXING_TORQUE][next] = (hysteresis.stiffness * twist_rate
+                - relaxing / hysteresis.relaxation_time)
+                * per_next;
+        }
+        torque
+    }
+
+    pub fn effect_disc_torque(
+        &self,
+        k: usize,
+        mode: &RigMode,
+        x: &[Series<S>; STATES],
+        work: &mut EffectJet<S>,
+    ) -> S {
+        let effects = &self.rig.effects;
+        if effects.unbalance.is_some() || effects.normal_force_wobble.is_some() {
+            work.weighted_angle[k] = x[THETA][k] * k as f64;
+            let (c, s) = if k == 0 {
+                let (s, c) = x[THETA][0].sin_cos();
+                (c, s)
+            } else {
+                cosine_sine(k, &work.weighted_angle, &work.cosine, &work.sine)
+            };
+            (work.cosine[k], work.sine[k]) = (c, s);
+        }
+        let mut torque = S::ZERO;
+        if let Some(unbalance) = &effects.unbalance {
+            let (sin, cos) = unbalance.phase.sin_cos();
+            torque -= unbalance.torque * (work.cosine[k] * cos + work.sine[k] * sin);
+        }
+        if let Some(drag) = &effects.viscous_drag {
+            torque -= drag.coefficient * x[OMEGA][k];
+        }
+        if let (
+            Some(drag),
+            ContactMode::Slipping(direction, _) | ContactMode::Breaking(direction),
+        ) = (&effects.quadratic_drag, mode.disc)
+        {
+            let square = convolution(&x[OMEGA][..=k], &x[OMEGA][..=k]);
+            torque -= drag.coefficient * square * direction.sign();
+        }
+        torque
+    }
+
+    pub fn effect_motor_torque(
+        &self,
+        k: usize,
+        x: &[Series<S>; STATES],
+        work: &mut EffectJet<S>,
+    ) -> S {
+        let Some(ripple) = &self.rig.effects.gear_ripple else {
+            return S::ZERO;
+        };
+        let cycles = ripple.order * self.ratio;
+        work.weighted_motor_angle[k] = cycles * x[THETA3][k] * k as f64;
+        let (c, s) = if k == 0 {
+            let (s, c) = (cycles * x[THETA3][0] + ripple.phase).sin_cos();
+            (c, s)
+        } else {
+            cosine_sine(
+                k,
+                &work.weighted_motor_angle,
+                &work.motor_cosine,
+                &work.motor_sine,
+            )
+        };
+        (work.motor_cosine[k], work.motor_sine[k]) = (c, s);
+        self.ratio * ripple.torque * s
+    }
+
+    /// Coefficient `k` of the load under the factors that vary with angle and time.
+    pub fn effect_load(
+        &self,
+        k: usize,
+        time: S,
+        x: &[Series<S>; STATES],
+        load: &mut Series<S>,
+        work: &mut EffectJet<S>,
+    ) {
+        let effects = &self.rig.effects;
+        let one = if k == 0 { S::constant(1.0) } else { S::ZERO };
+        let mut coefficient = work.base_load[k];
+        let wobble = effects.normal_force_wobble.as_ref();
+        if let Some(wobble) = wobble.filter(|_| !self.rig.law.is_torque()) {
+            let (sin, cos) = wobble.phase.sin_cos();
+            work.factor[k] = one + wobble.amplitude * (work.cosine[k] * cos + work.sine[k] * sin);
+            coefficient = convolution(&work.base_load[..=k], &work.factor[..=k]);
+        }
+        if let Some(position) = &effects.position_friction {
+            // The load so far must be kept as a series to be multiplied again.
+            work.scratch[k] = coefficient;
+            work.weighted_angle[k] = x[THETA][k] * k as f64;
+            let (c, s) = if k == 0 {
+                let (s, c) = (x[THETA][0] * 2.0 - position.phase).sin_cos();
+                (c, s)
+            } else {
+                let (c, s) = cosine_sine(
+                    k,
+                    &work.weighted_angle,
+                    &work.second_cosine,
+                    &work.second_sine,
+                );
+                (c * 2.0, s * 2.0)
+            };
+            (work.second_cosine[k], work.second_sine[k]) = (c, s);
+            coefficient = work.scratch[k]
+                + position.amplitude * convolution(&work.scratch[..=k], &work.second_cosine[..=k]);
+        }
+        if let (Some(noise), Some(random)) = (&effects.stochastic_friction, &self.random) {
+            work.steady_load[k] = coefficient;
+            let correlation_time = noise.correlation_time;
+            let stretch = S::constant(correlation_time.value()) / correlation_time;
+            work.noise[k] =
+                one + noise.standard_deviation * random_coefficient(random, stretch, k, time);
+            coefficient = convolution(&work.steady_load[..=k], &work.noise[..=k]);
+        }
+        load[k] = coefficient;
+    }
+}
+
+/// Coefficient `k` about `time` of a seeded random function of time. `stretch` is one; it carries the
+/// derivatives of all rates.
+fn random_coefficient<S: Scalar>(random: &RandomFunction, stretch: S, k: usize, time: S) -> S {
+    let mut sum = S::ZERO;
+    for &(rate, phase) in &random.harmonics[..HARMONICS] {
+        let rate = stretch * rate;
+        let (sin, cos) = (time * rate + phase).sin_cos();
+        // The k-th derivative of a cosine is ω^k cos(… + k π/2).
+        let wave = match k % 4 {
+            0 => cos,
+            1 => -sin,
+            2 => -cos,
+            _ => sin,
+        };
+        let mut term = wave;
+        for j in 1..=k {
+            term = term * rate * RECIPROCAL[j];
+        }
+        sum += term;
+    }
+    sum * RandomFunction::amplitude()
+}

@@ -1,0 +1,207 @@
+//! Series of everything in the rig over one segment.
+
+use super::linear_parts::LinearParts;
+use super::slow_motion::SlowMotion;
+use super::tangent::Tangent;
+use super::{Rig, RigGuard, STATES};
+use crate::friction::{Law, SlipJet};
+use crate::integrator::Guard;
+use crate::series::{Scalar, Series, TERMS, evaluate};
+
+/// Series of one pin contact.
+#[derive(Clone, Debug)]
+pub(super) struct PinJet<S> {
+    pub slip: SlipJet<S>,
+    /// Normal force × radius [N m], or 1 for a law of the torque.
+    pub load: Series<S>,
+    /// Whether only order 0 of `load` differs from zero.
+    pub load_is_constant: bool,
+    /// j × coefficient j of −(slip speed)/(Stribeck velocity), and the exponential of that series.
+    pub curve: [Series<S>; 2],
+    /// Friction torque on the disc, signed.
+    pub torque: Series<S>,
+    /// Breakaway torque, ≥ 0.
+    pub breakaway: Series<S>,
+    /// All other torques that resist a positive rotation.
+    pub resisting: Series<S>,
+    /// Friction torque that does not depend on the normal force, ≥ 0.
+    pub constant_torque: S,
+    /// Normal force [N] and factor of wear, each when it changes in the course of the segment: the
+    /// load vanishes while one is negative.
+    pub moving: [Option<Box<Series<S>>>; 2],
+}
+
+impl<S: Scalar> PinJet<S> {
+    fn new(law: &Law<S>) -> Self {
+        let zero = [S::ZERO; TERMS];
+        Self {
+            slip: SlipJet::new(law),
+            load: zero,
+            load_is_constant: true,
+            curve: [zero; 2],
+            torque: zero,
+            breakaway: zero,
+            resisting: zero,
+            constant_torque: S::ZERO,
+            moving: [None, None],
+        }
+    }
+}
+
+/// Taylor coefficients of everything in the rig over one segment.
+#[derive(Clone, Debug)]
+pub struct RigJet<S> {
+    pub(super) states: [Series<S>; STATES],
+    pub(super) disc: PinJet<S>,
+    /// Apart, so that the reduced rig does not carry it.
+    pub(super) disc1: Option<Box<PinJet<S>>>,
+    pub(super) motor_torque: Series<S>,
+    pub(super) twist: Series<S>,
+    pub(super) voltage: Series<S>,
+    pub(super) voltage_is_constant: bool,
+    pub(super) parts: LinearParts<S>,
+    pub(super) slow: SlowMotions<S>,
+    /// For numbers with derivatives and rigs without effects.
+    pub(super) tangent: Option<Box<Tangent<S>>>,
+    /// Whether the motion of this segment is in `tangent`, and only the states' series are here.
+    pub(super) follows_tangent: bool,
+    pub(super) effects: Option<Box<EffectJet<S>>>,
+    pub(super) guards: Vec<Guard<RigGuard>>,
+    pub(super) order: usize,
+    /// Orders that the second pass of the last segment on the slow manifold corrected.
+    pub(super) corrected: usize,
+}
+
+/// Slow manifolds of the two rigs, by number of slow variables; `InUse` while one is at work.
+#[derive(Clone, Debug)]
+pub(super) enum SlowMotions<S> {
+    Reduced(Box<SlowMotion<S, 2>>),
+    Full(Box<SlowMotion<S, 4>>),
+    InUse,
+}
+
+/// Series that only the effects need.
+#[derive(Clone, Debug)]
+pub(super) struct EffectJet<S> {
+    pub factor: Series<S>,
+    pub scratch: Series<S>,
+    pub weighted_angle: Series<S>,
+    pub cosine: Series<S>,
+    pub sine: Series<S>,
+    pub second_cosine: Series<S>,
+    pub second_sine: Series<S>,
+    pub weighted_motor_angle: Series<S>,
+    pub motor_cosine: Series<S>,
+    pub motor_sine: Series<S>,
+    pub elastic_twist: Series<S>,
+    pub twist_square: Series<S>,
+    pub base_load: Series<S>,
+    pub power_load: Series<S>,
+    pub steady_load: Series<S>,
+    pub noise: Series<S>,
+}
+
+impl<S: Scalar> RigJet<S> {
+    /// Empty series for `rig`.
+    pub fn new(rig: &Rig<S>) -> Self {
+        let zero = [S::ZERO; TERMS];
+        let effects = rig.effects.act_on_motion().then(|| {
+            Box::new(EffectJet {
+                factor: zero,
+                scratch: zero,
+                weighted_angle: zero,
+                cosine: zero,
+                sine: zero,
+                second_cosine: zero,
+                second_sine: zero,
+                weighted_motor_angle: zero,
+                motor_cosine: zero,
+                motor_sine: zero,
+                elastic_twist: zero,
+                twist_square: zero,
+                base_load: zero,
+                power_load: zero,
+                steady_load: zero,
+                noise: zero,
+            })
+        });
+        let parts = LinearParts::new(rig);
+        let tangent =
+            (S::HAS_DERIVATIVES && effects.is_none()).then(|| Box::new(Tangent::new(rig, &parts)));
+        Self {
+            states: [zero; STATES],
+            disc: PinJet::new(&rig.law),
+            disc1: rig
+                .outer
+                .as_ref()
+                .map(|outer| Box::new(PinJet::new(&outer.law))),
+            motor_torque: zero,
+            twist: zero,
+            voltage: zero,
+            voltage_is_constant: true,
+            parts,
+            tangent,
+            follows_tangent: false,
+            slow: if rig.outer.is_some() {
+                SlowMotions::Full(Box::new(SlowMotion::new()))
+            } else {
+                SlowMotions::Reduced(Box::new(SlowMotion::new()))
+            },
+            effects,
+            guards: Vec::new(),
+            order: 0,
+            corrected: 0,
+        }
+    }
+
+    /// Friction torques on D2, on D1 (in the full rig) and inside the motor. Their derivatives are known
+    /// only of expansions to orders below those of a run.
+    pub(crate) fn torques(&self) -> (&[S], Option<&[S]>, &[S]) {
+        let outer = self.disc1.as_ref();
+        (
+            &self.disc.torque[..=self.order],
+            outer.map(|pin| &pin.torque[..=self.order]),
+            &self.motor_torque[..=self.order],
+        )
+    }
+
+    /// Friction torque on disc D2 [N m] at local time `tau` [s], without derivatives.
+    pub fn friction_torque_at(&self, tau: f64) -> f64 {
+        match self.motion() {
+            Some((_, plain)) => evaluate(plain.friction_torque(), tau),
+            None => evaluate(&self.disc.torque[..=self.order], S::constant(tau)).value(),
+        }
+    }
+
+    /// The plain rig and its jet, where they carry the motion of this segment.
+    pub(super) fn motion(&self) -> Option<(&Rig<f64>, &RigJet<f64>)> {
+        let tangent = self.tangent.as_ref().filter(|_| self.follows_tangent)?;
+        Some((&tangent.rig, &tangent.jet))
+    }
+
+    /// Smallest 1 + (∂T/∂a)/J of the discs' algebraic loops at the segment's start.
+    pub fn loop_margin(&self) -> f64 {
+        if let Some((_, plain)) = self.motion() {
+            return plain.loop_margin();
+        }
+        let outer = self.disc1.as_ref().map_or(1.0, |pin| pin.slip.margin);
+        self.disc.slip.margin.min(outer)
+    }
+}
+
+impl RigJet<f64> {
+    /// Friction torque on disc D2 [N m].
+    pub fn friction_torque(&self) -> &[f64] {
+        &self.disc.torque[..=self.order]
+    }
+
+    /// Friction torque on disc D1 [N m], in the full rig.
+    pub fn friction_torque_1(&self) -> Option<&[f64]> {
+        self.disc1.as_ref().map(|pin| &pin.torque[..=self.order])
+    }
+
+    /// Friction torque inside the motor, on the shaft side of the gearbox [N m].
+    pub fn motor_friction_torque(&self) -> &[f64] {
+        &self.motor_torque[..=self.order]
+    }
+}
