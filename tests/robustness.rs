@@ -4,12 +4,15 @@
 mod common;
 
 use common::energy::EnergyBalance;
+use common::grazing::{GRAZING_LAWS, TOUCH, TOWARDS_REST, around_grazing};
 use common::{LAWS, Uniform};
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES, index::*};
 
 /// Share of the energy turned over that may be missing in the end.
 const ENERGY: f64 = 1e-10;
+/// The same where parameters span six decades, at the default tolerance.
+const SIX_DECADES: f64 = 1e-8;
 
 fn reduced(law: &str) -> Rig<f64> {
     common::rig(false, common::law(law), "")
@@ -72,6 +75,31 @@ fn a_pin_that_drops_and_lifts_within_a_step() {
 }
 
 #[test]
+fn both_pins_of_the_full_rig_drop_and_lift_within_a_step() {
+    for law in LAWS {
+        let rig = common::rig(true, law, "");
+        let voltage = rig.voltage_for_speed(5.76);
+        let held = |force, force_1| RigInputs::held(voltage, force, force_1);
+        let mut run = common::start(&rig, 1e-12, [0.0; STATES], held(0.0, 0.0)).unwrap();
+        let mut balance = EnergyBalance::new(&run);
+        for (time, force, force_1) in [
+            (1.003, 70.0, 0.0),
+            (1.503, 70.0, 70.0),
+            (2.5, 0.0, 70.0),
+            (2.5, 0.0, 0.0),
+            (3.0, 70.0, 70.0),
+        ] {
+            balance.advance(&mut run, time);
+            run.set_inputs(time, held(force, force_1)).unwrap();
+        }
+        balance.advance(&mut run, 8.0);
+        let error = balance.error(&run);
+        println!("{:20} energy balance {error:.1e}", law.0);
+        assert!(error < ENERGY, "{}: {error:e} is missing", law.0);
+    }
+}
+
+#[test]
 fn both_contacts_stick_at_once_and_stay() {
     for law in LAWS {
         if law.0 == "karnopp" {
@@ -82,7 +110,11 @@ fn both_contacts_stick_at_once_and_stay() {
         (state[OMEGA], state[OMEGA1]) = (4.0, 4.0);
         let inputs = RigInputs::held(0.0, 60.0, 60.0);
         let mut run = common::start(&rig, 1e-12, state, inputs).unwrap();
-        run.advance_to(20.0).unwrap();
+        let mut balance = EnergyBalance::new(&run);
+        balance.advance(&mut run, 20.0);
+        let error = balance.error(&run);
+        println!("{:20} energy balance {error:.1e}", law.0);
+        assert!(error < ENERGY, "{}: {error:e} is missing", law.0);
         let mode = run.mode();
         assert!(
             mode.disc.is_stuck() && mode.disc1.is_stuck() && mode.motor.is_stuck(),
@@ -150,7 +182,7 @@ fn ten_thousand_radians_per_second() {
 #[test]
 fn parameters_and_states_over_six_decades() {
     let mut uniform = Uniform(0x5EED);
-    let (mut finished, mut refused) = (0, 0);
+    let (mut finished, mut refused, mut worst) = (0, 0, 0.0_f64);
     for round in 0..240 {
         let law = LAWS[round % LAWS.len()];
         let mut rig = common::rig(round % 3 == 0, law, "");
@@ -186,12 +218,16 @@ fn parameters_and_states_over_six_decades() {
         };
         let run = Simulation::new(rig, options, 0.0, state, inputs);
         let outcome = run.and_then(|mut run| {
+            let fresh = run.clone();
             run.advance_to(0.5)?;
-            Ok(run.state_at(0.5))
+            Ok((run.state_at(0.5), fresh))
         });
         match outcome {
-            Ok(state) => {
+            Ok((state, mut run)) => {
                 finished += 1;
+                let mut balance = EnergyBalance::new(&run);
+                balance.advance(&mut run, 0.5);
+                worst = worst.max(balance.error(&run));
                 assert!(
                     state.iter().all(|x| x.is_finite()),
                     "{}: {state:?} of {rig:?}",
@@ -206,7 +242,10 @@ fn parameters_and_states_over_six_decades() {
             Err(error) => panic!("{}: {error}\n{rig:?}\n{inputs:?}\n{state:?}", law.0),
         }
     }
-    println!("{finished} finished, {refused} were too stiff for the budget");
+    println!(
+        "{finished} finished, {refused} were too stiff for the budget; energy balance {worst:.1e}"
+    );
+    assert!(worst < SIX_DECADES, "{worst:e} is missing");
     assert!(
         finished > 120,
         "{finished} finished, {refused} were too stiff for the budget"
@@ -239,7 +278,10 @@ fn what_cannot_go_on_says_why() {
     let mut broken = [0.0; STATES];
     broken[OMEGA] = f64::NAN;
     let text = start(Options::default(), broken);
-    assert!(text.contains("no longer finite at t = 0 s"), "{text}");
+    assert!(
+        text.contains("no longer finite at t = 0 s in mode disc D2") && text.contains("check them"),
+        "{text}"
+    );
     // A time constant of 1e-19 s at a time of 1e6 s.
     let mut stiff = rig;
     stiff.motor.inductance = 1e-20;
@@ -262,31 +304,11 @@ fn what_cannot_go_on_says_why() {
     );
 }
 
-/// Time [s] within which the disc is slowest for the first time; later swings grow.
-const TOUCH: f64 = 1.0;
-
-/// The largest force at which the disc does not come to rest in that time, and the smallest at which it does.
-fn around_grazing(rig: &Rig<f64>, state: [f64; STATES]) -> (f64, f64) {
-    let (mut free, mut rests) = (0.0, 60.0);
-    while rests - free > 1e-13 * rests {
-        let force = 0.5 * (free + rests);
-        let inputs = RigInputs::held(rig.voltage_for_speed(5.76), force, 0.0);
-        let mut run = common::start(rig, 1e-12, state, inputs).unwrap();
-        run.advance_to(TOUCH).unwrap();
-        if run.statistics().switches > 0 {
-            rests = force;
-        } else {
-            free = force;
-        }
-    }
-    (free, rests)
-}
-
 #[test]
 fn a_disc_that_just_touches_rest() {
     let mut state = [0.0; STATES];
-    state[..5].copy_from_slice(&[2.6, 5.0, 2.0, 5.0, 1.5]);
-    for law in [common::law("coulomb"), common::law("coulomb_stiction")] {
+    state[..5].copy_from_slice(&TOWARDS_REST);
+    for law in GRAZING_LAWS.map(common::law) {
         let rig = common::rig(false, law, "");
         let (free, rests) = around_grazing(&rig, state);
         let mut counted = Vec::new();

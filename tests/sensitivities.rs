@@ -3,6 +3,7 @@
 
 mod common;
 
+use common::grazing::{GRAZING_LAWS, TOUCH, TOWARDS_REST, around_grazing};
 use common::{LAWS, rig_text};
 use stickslip::integrator::Simulation;
 use stickslip::plant::{Rig, RigInputs, RigState, STATES, index::*, sensitivities};
@@ -195,4 +196,23 @@ fn a_jump_between_branches_is_reported() {
     (start[THETA1], start[OMEGA1]) = (0.41, 3.1);
     let all = sensitivities(&rig, &names, options, &start, &inputs(&rig), &times).unwrap();
     assert!(!all[0].interrupted && all[1].interrupted);
+}
+
+#[test]
+fn a_grazing_switch_is_reported_under_every_law_that_grazes() {
+    let mut state = [0.0; STATES];
+    state[..5].copy_from_slice(&TOWARDS_REST);
+    for law in GRAZING_LAWS.map(common::law) {
+        let rig = common::rig(false, law, "");
+        let (free, rests) = around_grazing(&rig, state);
+        let mut interrupted = Vec::new();
+        for force in [free, rests, rests * (1.0 + 1e-3)] {
+            let inputs = RigInputs::held(rig.voltage_for_speed(5.76), force, 0.0);
+            let names = ["disc.inertia", "contact.radius"];
+            let options = common::options(1e-12);
+            let all = sensitivities(&rig, &names, options, &state, &inputs, &[TOUCH]).unwrap();
+            interrupted.push(all[0].interrupted);
+        }
+        assert_eq!(interrupted, [false, true, false], "{}, {rests} N", law.0);
+    }
 }

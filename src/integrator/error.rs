@@ -49,7 +49,10 @@ pub enum IntegrationError {
         mode: String,
     },
     /// The motion grew beyond every number.
-    #[error("the state is no longer finite at t = {time} s in mode {mode}")]
+    #[error(
+        "the state is no longer finite at t = {time} s in mode {mode}; \
+         a starting value, input or parameter is not a number or lets the motion grow without bound: check them"
+    )]
     NotFinite {
         /// Time [s].
         time: f64,

@@ -97,7 +97,7 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             let size = series[0].abs().max(1e-3);
             let bend = second_derivative(series, step).max(0.0);
             // It dips below zero by slope²/(2 bend) before it rises again.
-            let depth = GRAZING * self.options.tolerance * size;
+            let depth = GRAZING * self.options.tolerance * (1.0 + series[0].abs());
             if slope * slope > 2.0 * bend * depth && slope.abs() > 1e-9 * size {
                 self.move_switch(kind, step, slope);
             } else {

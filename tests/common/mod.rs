@@ -6,6 +6,7 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 pub mod energy;
+pub mod grazing;
 
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, STATES};
