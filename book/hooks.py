@@ -22,6 +22,22 @@ ROOT_PAGES = {
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]*)(#[^)\s]*)?\)")
 
 
+def on_config(config):
+    """Puts each page that no chapter names behind those of its folder's chapter, so that a new page is never lost."""
+    listed = set(re.findall(r"[\w./-]+\.md", str(config.nav)))
+    chapters = {"effects": chapter(chapter(config.nav, "Reference"), "Effects"), ".": chapter(config.nav, "Explanation")}
+    for folder, pages in chapters.items():
+        for path in sorted((ROOT / "docs" / folder).glob("*.md")):
+            name = path.relative_to(ROOT / "docs").as_posix()
+            if name not in listed:
+                pages.append(name)
+    return config
+
+
+def chapter(nav, title):
+    return next(entry[title] for entry in nav if isinstance(entry, dict) and title in entry)
+
+
 def on_files(files, config):
     for source, name in ROOT_PAGES.items():
         text = links((ROOT / source).read_text(), ROOT)
