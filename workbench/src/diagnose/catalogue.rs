@@ -599,7 +599,7 @@ fn stiction(base: &Hypothesis) -> Vec<Hypothesis> {
     let Law::Coulomb(law) = base.rig.law else {
         return Vec::new();
     };
-    [1.1, 1.5]
+    [1.02, 1.1, 1.5]
         .iter()
         .map(|ratio| {
             let mut h = base.clone();
@@ -615,21 +615,23 @@ fn stiction(base: &Hypothesis) -> Vec<Hypothesis> {
 }
 
 fn stribeck(base: &Hypothesis) -> Vec<Hypothesis> {
-    let (mu_c, mu_s) = match base.rig.law {
-        Law::Coulomb(law) => (law.mu_c, 1.3 * law.mu_c),
-        Law::CoulombStiction(law) => (law.mu_c, law.mu_s),
+    let (mu_c, mu_s, less) = match base.rig.law {
+        Law::Coulomb(law) => (law.mu_c, 1.3 * law.mu_c, 1.03 * law.mu_c),
+        Law::CoulombStiction(law) => (law.mu_c, law.mu_s, law.mu_s),
         _ => return Vec::new(),
     };
-    [0.5, 1.5, 4.0]
-        .iter()
-        .map(|&omega_s| {
+    [(0.5, mu_s), (1.5, mu_s), (4.0, mu_s), (1.5, less)]
+        .into_iter()
+        .map(|(omega_s, mu_s)| {
             let mut h = without_law(base);
+            // What the base takes for sliding friction is between the two.
+            let mu_c = mu_c - 0.2 * (mu_s - mu_c).max(0.0);
             h.rig.law = Law::Stribeck(Stribeck {
-                mu_c: 0.95 * mu_c,
+                mu_c,
                 mu_s,
                 omega_s,
             });
-            push_value(&mut h, "mu_c", 0.1, (0.0, 2.0), 0.95 * mu_c);
+            push_value(&mut h, "mu_c", 0.1, (0.0, 2.0), mu_c);
             push_value(&mut h, "mu_s", 0.1, (0.0, 2.0), mu_s);
             push_value(&mut h, "omega_s", 1.0, (0.05, 20.0), omega_s);
             h

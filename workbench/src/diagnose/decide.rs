@@ -356,7 +356,7 @@ fn has_structure(data: &Data, fit: &Fit, structures: &[Structure]) -> bool {
     let structured = structures
         .first()
         .is_some_and(|s| s.gain > STRUCTURE_GAIN && s.interval95[0] > 0.0);
-    structured || fit.misfit(data) > MISFIT || fit.disturbance.relative > ROUGHNESS
+    structured || fit.typical_misfit(data) > MISFIT || fit.disturbance.relative > ROUGHNESS
 }
 
 /// Whether any nominal parameter moved by more than its stated uncertainty allows to overlook.

@@ -11,6 +11,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use stickslip::plant::RigState;
 
+/// Share of the windows that tell whether a model explains the records.
+const SOUND_SHARE: f64 = 0.97;
 /// Relative decrease of the loss below which a fit has converged.
 const CONVERGED: f64 = 1e-5;
 
@@ -499,6 +501,20 @@ impl Fit {
         let forms = self.reduced(data);
         let square: f64 = forms.iter().flatten().map(|r| r.square).sum();
         let residuals: usize = forms.iter().flatten().map(|r| r.residuals).sum();
+        square / residuals.max(1) as f64
+    }
+
+    /// The same without the few worst windows, whose start may not have been found.
+    pub fn typical_misfit(&self, data: &Data) -> f64 {
+        let forms = self.reduced(data);
+        let mut windows: Vec<&Reduced> = forms.iter().flatten().collect();
+        windows.sort_by(|a, b| {
+            let size = |form: &Reduced| form.square / form.residuals as f64;
+            size(a).total_cmp(&size(b))
+        });
+        windows.truncate((SOUND_SHARE * windows.len() as f64).ceil() as usize);
+        let square: f64 = windows.iter().map(|form| form.square).sum();
+        let residuals: usize = windows.iter().map(|form| form.residuals).sum();
         square / residuals.max(1) as f64
     }
 

@@ -129,7 +129,9 @@ pub fn try_all(
     without: &[String],
     progress: &mut dyn FnMut(&str),
 ) -> Vec<Tried> {
-    let wrong = base.misfit(data) > WRONG || base.disturbance.relative > 0.05;
+    // Under a law with branches even a small effect moves windows to another branch, which small steps do not undo.
+    let branches = base.hypothesis.rig.law.has_branches() && !base.is_explained(data);
+    let wrong = base.misfit(data) > WRONG || base.disturbance.relative > 0.05 || branches;
     let thinning = thinning(data);
     let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning).collect();
     let part = data.part(&kept);
