@@ -9,7 +9,7 @@ use stickslip::plant::{ModelFile, ModelFileError, RigKind};
 use thiserror::Error;
 
 use super::catalogue::CATALOGUE;
-use super::fit::Data;
+use super::data::Data;
 use super::record_check::{Checked, RecordProblem, check};
 use super::run::Run;
 use super::sensors::{SensorError, Sensors};

@@ -1,7 +1,8 @@
 //! From gains to a verdict.
 
 use super::catalogue::entry;
-use super::fit::{Data, Fit, fit};
+use super::data::Data;
+use super::fit::{Fit, fit};
 use super::hypothesis::{Estimate, Hypothesis};
 use super::robust::Robust;
 use super::search::{Tried, WRONG, close_up, fit_entry, folds, gain, try_all};
@@ -10,7 +11,7 @@ use super::structure::{Structure, structures};
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all
 /// candidates stays below it.
 const LEAST_GAIN: f64 = 10.0;
-/// The same for an effect on top of others.
+/// The same for an effect on top of others, or of friction that fluctuates.
 const LEAST_FURTHER_GAIN: f64 = 20.0;
 /// Share of a rival's shortfall that must be certain before the best is called better.
 const RIVAL_MARGIN: f64 = 4.0;
@@ -20,6 +21,8 @@ pub const STRUCTURE_GAIN: f64 = 30.0;
 const MISFIT: f64 = 1.25;
 /// Relative friction disturbance above which it no longer passes for roughness.
 const ROUGHNESS: f64 = 0.06;
+/// Relative friction disturbance above which friction counts as fluctuating.
+const LITTLE_ROUGHNESS: f64 = 0.02;
 /// Most effects that are added one after the other.
 const MOST_EFFECTS: usize = 3;
 
@@ -159,7 +162,8 @@ pub fn diagnose(
             current = better;
             continue;
         }
-        let least_gain = if names.is_empty() {
+        let is_rough = current.disturbance.relative > LITTLE_ROUGHNESS;
+        let least_gain = if names.is_empty() && !is_rough {
             LEAST_GAIN
         } else {
             LEAST_FURTHER_GAIN

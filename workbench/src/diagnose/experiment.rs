@@ -5,8 +5,10 @@
 
 use stickslip::plant::Rig;
 
-use super::fit::{Data, Fit, grams, normal_equations, reduced};
+use super::data::{Data, grams, reduced};
+use super::fit::Fit;
 use super::hypothesis::Hypothesis;
+use super::losses::normal_equations;
 use super::marginal::Disturbance;
 use super::restart::{best_starts, course};
 use super::robust::Robust;

@@ -1,71 +1,18 @@
 //! Fitting a hypothesis to many windows: damped Gauss–Newton steps with exact derivatives.
 
-use super::gram::{FEW_SLOTS, FIRST_FREE, Gram, MANY_SLOTS, window_gram};
+use super::data::{Data, grams, reduced};
+use super::gram::Gram;
 use super::hypothesis::Hypothesis;
-use super::marginal::{Disturbance, Reduced, reduce};
+use super::losses::{held_out_losses, normal_equations, total_loss, window_loss};
+use super::marginal::{Disturbance, Reduced};
 use super::robust::Robust;
-use super::run::{CHANNELS, Run};
-use super::window::{Cut, START_COMPONENTS, Window};
 use nalgebra::{Cholesky, DMatrix, DVector};
-use rayon::prelude::*;
-use std::sync::Arc;
 use stickslip::plant::RigState;
 
 /// Share of the windows that tell whether a model explains the records.
 const SOUND_SHARE: f64 = 0.97;
 /// Relative decrease of the loss below which a fit has converged.
 const CONVERGED: f64 = 1e-5;
-
-/// The records and windows that fits work on.
-#[derive(Clone, Debug)]
-pub struct Data {
-    /// Records.
-    pub runs: Arc<Vec<Run>>,
-    /// How they were cut.
-    pub cut: Cut,
-    /// Windows of all records.
-    pub windows: Vec<Window>,
-    /// Standard deviations of the channels.
-    pub deviations: [f64; CHANNELS],
-}
-
-impl Data {
-    /// Records cut into windows.
-    pub fn new(runs: Arc<Vec<Run>>, cut: Cut, deviations: [f64; CHANNELS]) -> Self {
-        let windows = runs
-            .iter()
-            .enumerate()
-            .flat_map(|(index, run)| cut.windows(index, run))
-            .collect();
-        Self {
-            runs,
-            cut,
-            windows,
-            deviations,
-        }
-    }
-
-    /// The same records cut into windows of another length [s].
-    pub fn recut(&self, length: f64) -> Self {
-        let cut = Cut { length, ..self.cut };
-        Self::new(Arc::clone(&self.runs), cut, self.deviations)
-    }
-
-    /// The starts of the windows as measured.
-    pub fn anchors(&self) -> Vec<RigState<f64>> {
-        self.windows.iter().map(|window| window.anchor).collect()
-    }
-
-    /// The same records with only the windows of these numbers.
-    pub fn part(&self, kept: &[usize]) -> Self {
-        Self {
-            runs: Arc::clone(&self.runs),
-            cut: self.cut,
-            windows: kept.iter().map(|&j| self.windows[j].clone()).collect(),
-            deviations: self.deviations,
-        }
-    }
-}
 
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
@@ -84,81 +31,6 @@ pub struct Fit {
     pub loss: f64,
     /// Steps taken.
     pub iterations: usize,
-}
-
-fn offset(start: &RigState<f64>, window: &Window) -> [f64; START_COMPONENTS.len()] {
-    std::array::from_fn(|j| start[START_COMPONENTS[j]] - window.anchor[START_COMPONENTS[j]])
-}
-
-/// Gram matrices of all windows under a hypothesis.
-pub fn grams(data: &Data, hypothesis: &Hypothesis, starts: &[RigState<f64>]) -> Vec<Option<Gram>> {
-    if hypothesis.dimension() + FIRST_FREE <= FEW_SLOTS {
-        grams_with_slots::<FEW_SLOTS>(data, hypothesis, starts)
-    } else {
-        grams_with_slots::<MANY_SLOTS>(data, hypothesis, starts)
-    }
-}
-
-fn grams_with_slots<const N: usize>(
-    data: &Data,
-    hypothesis: &Hypothesis,
-    starts: &[RigState<f64>],
-) -> Vec<Option<Gram>> {
-    let Ok(rig) = hypothesis.rig_with_slots::<N>(FIRST_FREE) else {
-        return vec![None; data.windows.len()];
-    };
-    data.windows
-        .par_iter()
-        .zip(starts)
-        .map(|(window, start)| {
-            let run = &data.runs[window.run];
-            window_gram(
-                hypothesis,
-                &rig,
-                run,
-                window,
-                start,
-                &data.deviations,
-                |_, _, _| {},
-            )
-            .ok()
-        })
-        .collect()
-}
-
-/// Windows with their nuisances integrated out.
-pub fn reduced(
-    data: &Data,
-    starts: &[RigState<f64>],
-    grams: &[Option<Gram>],
-    disturbance: &Disturbance,
-) -> Vec<Option<Reduced>> {
-    grams
-        .iter()
-        .zip(starts)
-        .zip(&data.windows)
-        .map(|((gram, start), window)| {
-            gram.as_ref()
-                .and_then(|g| reduce(g, &offset(start, window), &window.deviations, disturbance))
-        })
-        .collect()
-}
-
-/// Loss of a window that the model could not run through: worse than any that it could.
-pub const FAILED: f64 = 1e5;
-
-fn total_loss(reduced: &[Option<Reduced>], hypothesis: &Hypothesis, robust: Robust) -> f64 {
-    let windows: f64 = reduced.iter().map(|form| window_loss(form, robust)).sum();
-    windows + prior_loss(hypothesis)
-}
-
-fn prior_loss(hypothesis: &Hypothesis) -> f64 {
-    hypothesis
-        .prior_precisions()
-        .iter()
-        .zip(&hypothesis.x)
-        .map(|(p, x)| p * x * x)
-        .sum()
 }
 
 /// The relative friction disturbance that explains the windows best, with the loss that suits what is then left. Where
@@ -199,12 +71,6 @@ const SHARED_STEPS: usize = 2;
 /// Loss that a window may gain in a step before other starts are tried for it.
 const SUSPECT: f64 = 6.0;
 
-fn window_loss(form: &Option<Reduced>, robust: Robust) -> f64 {
-    form.as_ref().map_or(FAILED, |r| {
-        robust.loss(r.square, r.residuals) + r.log_determinant
-    })
-}
-
 /// Tries the starts of `fallback` for windows that a step has made worse: where the disc is about to
 /// break away, the motion depends on the start in a way that a linear step can overshoot.
 #[allow(clippy::too_many_arguments)]
@@ -244,7 +110,7 @@ fn rescue(
     }
 }
 
-/// The step that the quadratic forms suggest within what a step may change ([`Hypothesis::step_range`]): numbers that
+/// The step that the quadratic forms suggest within what a step may change ([`Hypothesis::step_ranges`]): numbers that
 /// would leave it stop at its end, and the others move as is best then.
 fn bounded_step(
     hypothesis: &Hypothesis,
@@ -548,59 +414,4 @@ impl Fit {
             Robust::JUDGING,
         )
     }
-}
-
-/// Loss of each window after the change of the free numbers that is best for the windows of all
-/// other folds.
-pub fn held_out_losses(
-    forms: &[Option<Reduced>],
-    precisions: &[f64],
-    x: &[f64],
-    folds: &[usize],
-    robust: Robust,
-) -> Vec<f64> {
-    let mut losses = vec![FAILED; forms.len()];
-    let parts = folds.iter().max().map_or(1, |m| m + 1);
-    for fold in 0..parts {
-        let training = forms
-            .iter()
-            .zip(folds)
-            .filter(|(_, f)| **f != fold)
-            .filter_map(|(form, _)| form.as_ref());
-        let (curvature, gradient) = normal_equations(training, precisions, x, robust);
-        let Some(step) = Cholesky::new(curvature).map(|c| c.solve(&gradient)) else {
-            continue;
-        };
-        for ((loss, form), f) in losses.iter_mut().zip(forms).zip(folds) {
-            let Some(form) = form.as_ref().filter(|_| *f == fold) else {
-                continue;
-            };
-            let square =
-                form.square - 2.0 * form.gradient.dot(&step) + step.dot(&(&form.curvature * &step));
-            *loss = robust.loss(square.max(0.0), form.residuals) + form.log_determinant;
-        }
-    }
-    losses
-}
-
-/// Sum of the windows' quadratic forms and the prior's.
-pub fn normal_equations<'a>(
-    forms: impl Iterator<Item = &'a Reduced>,
-    precisions: &[f64],
-    x: &[f64],
-    robust: Robust,
-) -> (DMatrix<f64>, DVector<f64>) {
-    let n = x.len();
-    let mut curvature = DMatrix::zeros(n, n);
-    let mut gradient = DVector::zeros(n);
-    for r in forms {
-        let weight = robust.weight(r.square, r.residuals);
-        curvature += &r.curvature * weight;
-        gradient += &r.gradient * weight;
-    }
-    for (j, p) in precisions.iter().enumerate() {
-        curvature[(j, j)] += p;
-        gradient[j] -= p * x[j];
-    }
-    (curvature, gradient)
 }

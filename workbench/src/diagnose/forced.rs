@@ -2,8 +2,9 @@
 
 use super::amend::{AmendError, NOT_APPLICABLE};
 use super::catalogue::entry;
+use super::data::Data;
 use super::decide::fit_base;
-use super::fit::{Data, Fit};
+use super::fit::Fit;
 use super::hypothesis::Hypothesis;
 use super::search::fit_entry;
 use stickslip::plant::ModelFile;

@@ -4,10 +4,11 @@ use stickslip::plant::Rig;
 
 use super::amend::{found_effects, refitted};
 use super::case::Case;
+use super::data::Data;
 use super::decide::{Diagnosis, Progress, Verdict, diagnose, fit_base, refit_with};
 use super::experiment::propose;
 use super::finding::{Experiment, Finding, Ranked, VerdictName};
-use super::fit::{Data, Fit};
+use super::fit::Fit;
 use super::hypothesis::{Estimate, Hypothesis};
 use super::located::located;
 use super::structure::structures;

@@ -1,7 +1,7 @@
 //! Residual torques: what would have to be added on the disc and on the motor, piece by piece, for a model to follow the
 //! records.
 
-use super::fit::{Data, reduced};
+use super::data::{Data, reduced};
 use super::gram::{Gram, Place};
 use super::marginal::Disturbance;
 use super::restart::best_starts;

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use stickslip::plant::{Rig, RigState, index};
 
-use super::fit::{Data, grams, reduced};
+use super::data::{Data, grams, reduced};
 use super::gram::Gram;
 use super::hypothesis::Hypothesis;
 use super::marginal::Disturbance;

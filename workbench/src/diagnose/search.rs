@@ -1,8 +1,10 @@
 //! Trying every effect of the catalogue on top of a fitted hypothesis.
 
-use super::catalogue::{CATALOGUE, Entry};
-use super::fit::{Data, FAILED, Fit, fit};
+use super::catalogue::{CATALOGUE, Entry, entry};
+use super::data::Data;
+use super::fit::{Fit, fit};
 use super::hypothesis::Hypothesis;
+use super::losses::FAILED;
 use super::robust::Robust;
 use super::window::SHORT;
 use std::cmp::Ordering;
@@ -26,10 +28,10 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// Whether the effect has a size that is worth naming.
+    /// Whether the effect has a size that is worth naming, or records that show a smaller one beyond doubt.
     pub fn is_material(&self) -> bool {
-        super::catalogue::entry(self.name)
-            .is_none_or(|entry| entry.is_material(&self.fit.hypothesis))
+        let size = entry(self.name).map_or(0.0, |entry| entry.relative_size(&self.fit.hypothesis));
+        size > 1.0 || size > NEARLY_NOTHING && self.gain > BEYOND_DOUBT
     }
 }
 
@@ -99,6 +101,10 @@ pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
     (total, [resampled[9], resampled[389]])
 }
 
+/// Share of the size worth naming below which an effect is none.
+const NEARLY_NOTHING: f64 = 0.1;
+/// Gain in ln likelihood that no imperfection of the method brings about.
+const BEYOND_DOUBT: f64 = 100.0;
 /// Misfit per residual above which a base counts as wrong, so that effects are also tried from far.
 pub const WRONG: f64 = 1.1;
 /// Every so-manieth window serves for the first look at the candidates.

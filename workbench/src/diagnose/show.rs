@@ -14,8 +14,8 @@ use stickslip::plant::{ModelFile, Rig, RigState};
 use thiserror::Error;
 
 use super::case::Case;
+use super::data::Data;
 use super::finding::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
-use super::fit::Data;
 use super::marginal::Disturbance;
 use super::restart::{Starts, WindowCourse, best_starts, course, window_courses};
 use super::run::{CHANNELS, Run};

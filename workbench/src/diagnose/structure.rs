@@ -1,8 +1,10 @@
 //! Where what is left has structure: residual torques on the disc and on the motor as functions of
 //! one coordinate after the other, judged on windows they were not fitted to.
 
-use super::fit::{Data, Fit, held_out_losses, reduced};
+use super::data::{Data, reduced};
+use super::fit::Fit;
 use super::gram::{Gram, Place};
+use super::losses::held_out_losses;
 use super::robust::Robust;
 use super::search::{folds, gain};
 use nalgebra::DMatrix;
