@@ -125,7 +125,8 @@ def test_an_importer_meets_the_cross_check_s_reference(tmp_path, version, folder
 
 
 def study(folder, fmu, *more):
-    command = [sys.executable, EXAMPLES / "study.py", fmu, *GRID, "--out", folder, *more]
+    # Runs long enough for a study to be disturbed while there is work.
+    command = [sys.executable, EXAMPLES / "study.py", fmu, *GRID, "--stop", "300", "--out", folder, *more]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
