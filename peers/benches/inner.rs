@@ -6,9 +6,13 @@
     reason = "a benchmark that cannot start has nothing to report"
 )]
 
+#[path = "../src/laws.rs"]
+mod laws;
+
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use laws::LAWS;
 use stickslip::integrator::{HybridSystem, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES, sensitivities};
 use stickslip::series::first_loss_of_sign;
@@ -36,35 +40,6 @@ viscous_damping = 1.784e-4
 [contact]
 radius = 0.075
 ";
-
-/// Name and numbers of every law.
-const LAWS: [(&str, &str); 8] = [
-    ("coulomb", "mu_c = 0.12"),
-    ("coulomb_stiction", "mu_c = 0.12\nmu_s = 0.2"),
-    ("stribeck", "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2"),
-    (
-        "karnopp",
-        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nomega_tolerance = 1e-3",
-    ),
-    (
-        "switch",
-        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nomega_tolerance = 1e-3\ndecay_rate = 50.0",
-    ),
-    (
-        "wojewoda",
-        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nstochastic_amplitude = 0.02\ncorrelation_angle = 0.1\nseed = 1",
-    ),
-    (
-        "two_gaussian_torque",
-        "a1 = 1.0168\nb1 = -3.07246\nc1 = 1.28946\na2 = 0.69626\nb2 = 0.4796\nc2 = 2.62303\n\
-         omega_centre = 7.15956\nacceleration_semi_axis = 58.2873",
-    ),
-    (
-        "two_gaussian_mu",
-        "a1 = 0.27115\nb1 = -3.07246\nc1 = 1.28946\na2 = 0.18567\nb2 = 0.4796\nc2 = 2.62303\n\
-         omega_centre = 7.15956\nacceleration_semi_axis = 58.2873",
-    ),
-];
 
 type Run = Simulation<f64, Rig<f64>>;
 

@@ -11,6 +11,7 @@ use stickslip::integrator::{self, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES, sensitivities};
 
 use crate::files::write_atomically;
+use crate::laws::LAWS;
 use crate::systems::{self, END_TIME};
 
 /// Cost of eight derivatives asked for, in plain runs.
@@ -35,35 +36,6 @@ const COMMON: [&str; 8] = [
 ];
 /// How many of the law's parameters are asked for at most.
 const OF_THE_LAW: usize = 3;
-
-/// Name and numbers of every law.
-const LAWS: [(&str, &str); 8] = [
-    ("coulomb", "mu_c = 0.12"),
-    ("coulomb_stiction", "mu_c = 0.12\nmu_s = 0.2"),
-    ("stribeck", "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2"),
-    (
-        "karnopp",
-        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nomega_tolerance = 1e-3",
-    ),
-    (
-        "switch",
-        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nomega_tolerance = 1e-3\ndecay_rate = 50.0",
-    ),
-    (
-        "wojewoda",
-        "mu_c = 0.12\nmu_s = 0.2\nomega_s = 1.2\nstochastic_amplitude = 0.0\ncorrelation_angle = 0.1\nseed = 1",
-    ),
-    (
-        "two_gaussian_torque",
-        "a1 = 0.8\nb1 = -3.07246\nc1 = 1.28946\na2 = 0.55\nb2 = 0.4796\nc2 = 2.62303\n\
-         omega_centre = 7.15956\nacceleration_semi_axis = 58.2873",
-    ),
-    (
-        "two_gaussian_mu",
-        "a1 = 0.27115\nb1 = -3.07246\nc1 = 1.28946\na2 = 0.18567\nb2 = 0.4796\nc2 = 2.62303\n\
-         omega_centre = 7.15956\nacceleration_semi_axis = 58.2873",
-    ),
-];
 
 /// Options of `peers derivatives`.
 #[derive(Args, Debug)]

@@ -13,6 +13,7 @@ mod do_step;
 mod effort;
 mod files;
 mod fmu;
+mod laws;
 mod measurement;
 mod ours;
 mod plot;

@@ -82,7 +82,7 @@ impl Log {
         }
     }
 
-    /// Follows `fmi2SetDebugLogging` and `fmi3SetDebugLogging`; returns the names it does not know.
+    /// Follows `fmi2SetDebugLogging` and `fmi3SetDebugLogging`; returns the names it does not know, which choose warnings.
     pub(super) fn configure(&mut self, on: bool, categories: &[&CStr]) -> Vec<String> {
         let known = [
             Category::Events,
@@ -101,6 +101,10 @@ impl Log {
             } else {
                 unknown.push(name.to_string_lossy().into_owned());
             }
+        }
+        if !unknown.is_empty() {
+            // Else an importer that only asks for names there are not would not hear of it.
+            chosen.push(Category::Warning);
         }
         self.on = on;
         self.chosen = if all { None } else { Some(chosen) };

@@ -3,7 +3,10 @@
 use std::fmt::Write as _;
 
 use super::catalogue::entry;
-use super::finding::{Finding, FoundEffect, Measures, VerdictName};
+use super::finding::{Finding, FoundEffect, Measures, Ranked, VerdictName};
+
+/// Candidates that a screen shows.
+const CANDIDATES: usize = 5;
 
 /// The answer in sentences, most important first.
 #[must_use]
@@ -144,24 +147,7 @@ pub fn screen(case: &str, finding: &Finding) -> String {
     if !places.is_empty() {
         let _ = writeln!(text, "\n  where they disagree  {}", places.join(", "));
     }
-    if !finding.ranking.is_empty() {
-        let _ = writeln!(
-            text,
-            "\n  {:24}{:>10}   95 % interval",
-            "candidates", "gain"
-        );
-        for ranked in finding.ranking.iter().take(5) {
-            let [low, high] = ranked.interval95;
-            let _ = writeln!(
-                text,
-                "  {:24}{:>10}   {} … {}",
-                ranked.name,
-                number(ranked.gain),
-                number(low),
-                number(high)
-            );
-        }
-    }
+    text.push_str(&candidates(&finding.ranking));
     if let Some(gap) = &finding.gap {
         let line = |label: &str, m: &Measures| {
             let cell = |value: Option<f64>| value.map_or("–".to_owned(), number);
@@ -189,6 +175,32 @@ pub fn screen(case: &str, finding: &Finding) -> String {
         let _ = writeln!(text, "\n  note: {note}");
     }
     text
+}
+
+/// The first of the candidates with their gains; nothing where there are none.
+#[must_use]
+pub fn candidates(ranking: &[Ranked]) -> String {
+    if ranking.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("\n  {:26}{:>10}   95 % interval\n", "candidates", "gain");
+    for ranked in ranking.iter().take(CANDIDATES) {
+        text.push_str(&gain_line(ranked));
+    }
+    text
+}
+
+/// A name with its gain and interval.
+#[must_use]
+pub fn gain_line(ranked: &Ranked) -> String {
+    let [low, high] = ranked.interval95;
+    format!(
+        "  {:26}{:>10}   {} … {}\n",
+        ranked.name,
+        number(ranked.gain),
+        number(low),
+        number(high)
+    )
 }
 
 /// An effect's or coordinate's name in words.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -231,19 +232,36 @@ pub enum FindingError {
     Write(#[from] WriteError),
 }
 
+/// Reads a finding of any kind from `finding.json` of a directory.
+pub(super) fn read<T: DeserializeOwned>(directory: &Path) -> Result<T, FindingError> {
+    let path = directory.join(FILE);
+    let name = path.display().to_string();
+    let text = fs::read_to_string(&path).map_err(|source| FindingError::Read {
+        path: name.clone(),
+        source,
+    })?;
+    serde_json::from_str(&text).map_err(|source| FindingError::Syntax { path: name, source })
+}
+
+/// Writes a finding of any kind to `finding.json` of a directory, whole or not at all.
+pub(super) fn write<T: Serialize>(finding: &T, directory: &Path) -> Result<(), FindingError> {
+    let path = directory.join(FILE);
+    let mut text =
+        serde_json::to_string_pretty(finding).map_err(|source| FindingError::Syntax {
+            path: path.display().to_string(),
+            source,
+        })?;
+    text.push('\n');
+    Ok(atomic::write_file(&path, text.as_bytes())?)
+}
+
 impl Finding {
     /// Reads `finding.json` of a directory.
     ///
     /// # Errors
     /// [`FindingError`], naming the file and what is wrong.
     pub fn read(directory: &Path) -> Result<Self, FindingError> {
-        let path = directory.join(FILE);
-        let name = path.display().to_string();
-        let text = fs::read_to_string(&path).map_err(|source| FindingError::Read {
-            path: name.clone(),
-            source,
-        })?;
-        serde_json::from_str(&text).map_err(|source| FindingError::Syntax { path: name, source })
+        read(directory)
     }
 
     /// Writes `finding.json` into a directory, whole or not at all.
@@ -251,14 +269,7 @@ impl Finding {
     /// # Errors
     /// [`FindingError::Write`] or, for numbers that JSON cannot hold, [`FindingError::Syntax`].
     pub fn write(&self, directory: &Path) -> Result<(), FindingError> {
-        let path = directory.join(FILE);
-        let mut text =
-            serde_json::to_string_pretty(self).map_err(|source| FindingError::Syntax {
-                path: path.display().to_string(),
-                source,
-            })?;
-        text.push('\n');
-        Ok(atomic::write_file(&path, text.as_bytes())?)
+        write(self, directory)
     }
 
     /// Whether the model is now right as far as the records tell: nothing missing, or the gap closed.

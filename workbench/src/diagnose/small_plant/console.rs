@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::catalogue::entry;
 use super::finding::{ErrorSize, SmallFinding};
-use crate::diagnose::console::{number, percent, readable};
+use crate::diagnose::console::{candidates, gain_line, number, percent, readable};
 use crate::diagnose::finding::{FoundEffect, VerdictName};
 
 /// The answer in sentences, most important first.
@@ -109,39 +109,12 @@ pub fn screen(case: &str, found: &SmallFinding) -> String {
     if !places.is_empty() {
         let _ = writeln!(text, "\n  where they disagree  {}", places.join(", "));
     }
-    if !finding.ranking.is_empty() {
-        let _ = writeln!(
-            text,
-            "\n  {:26}{:>10}   95 % interval",
-            "candidates", "gain"
-        );
-        for ranked in finding.ranking.iter().take(6) {
-            let [low, high] = ranked.interval95;
-            let _ = writeln!(
-                text,
-                "  {:26}{:>10}   {} … {}",
-                ranked.name,
-                number(ranked.gain),
-                number(low),
-                number(high)
-            );
-        }
+    text.push_str(&candidates(&finding.ranking));
+    if !found.small_plant.gains.is_empty() {
+        text.push_str("\n  named, each on top of those before\n");
     }
-    for (at, named) in found.small_plant.gains.iter().enumerate() {
-        let [low, high] = named.interval95;
-        let _ = writeln!(
-            text,
-            "{}{:26}{:>10}   {} … {}",
-            if at == 0 {
-                "\n  named, each on top of those before\n  "
-            } else {
-                "  "
-            },
-            named.name,
-            number(named.gain),
-            number(low),
-            number(high)
-        );
+    for named in &found.small_plant.gains {
+        text.push_str(&gain_line(named));
     }
     let steps = &found.small_plant.steps;
     if !steps.is_empty() {

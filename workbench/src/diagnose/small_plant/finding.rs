@@ -1,12 +1,10 @@
 //! `finding.json` of a small plant: what the rig's has, and the error after each effect.
 
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::diagnose::finding::{FILE, Finding, FindingError, Ranked, VerdictName};
-use crate::files::atomic;
+use crate::diagnose::finding::{self, Finding, FindingError, Ranked, VerdictName};
 
 /// What a diagnosis of a small plant found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,13 +59,7 @@ impl SmallFinding {
     /// # Errors
     /// [`FindingError`], naming the file and what is wrong.
     pub fn read(directory: &Path) -> Result<Self, FindingError> {
-        let path = directory.join(FILE);
-        let name = path.display().to_string();
-        let text = fs::read_to_string(&path).map_err(|source| FindingError::Read {
-            path: name.clone(),
-            source,
-        })?;
-        serde_json::from_str(&text).map_err(|source| FindingError::Syntax { path: name, source })
+        finding::read(directory)
     }
 
     /// Writes `finding.json` into a directory, whole or not at all.
@@ -75,14 +67,7 @@ impl SmallFinding {
     /// # Errors
     /// [`FindingError`].
     pub fn write(&self, directory: &Path) -> Result<(), FindingError> {
-        let path = directory.join(FILE);
-        let mut text =
-            serde_json::to_string_pretty(self).map_err(|source| FindingError::Syntax {
-                path: path.display().to_string(),
-                source,
-            })?;
-        text.push('\n');
-        Ok(atomic::write_file(&path, text.as_bytes())?)
+        finding::write(self, directory)
     }
 
     /// Whether the model is now right as far as the records tell.

@@ -1,0 +1,190 @@
+//! How an effect is switched on, from where its fits start, and what size of it counts.
+
+use std::convert::Infallible;
+
+use super::{Entry, Form};
+use crate::diagnose::hypothesis::{Free, Hypothesis};
+use crate::diagnose::law_starts;
+
+/// Smallest size worth naming, relative to a full effect.
+const LEAST_SIZE: f64 = 0.03;
+/// Smallest departure from one worth naming of a factor or an exponent.
+const LEAST_DEPARTURE: f64 = 0.005;
+/// Stiffness of a full internal friction of the shaft [N m/rad].
+const RELAXING_STIFFNESS: f64 = 0.05;
+
+impl Entry {
+    /// Whether the effect replaces the friction law.
+    pub fn is_law(&self) -> bool {
+        matches!(
+            self.form,
+            Form::Stiction | Form::Stribeck | Form::Hysteresis
+        )
+    }
+
+    /// Whether it takes many starts with many free numbers to fit the effect.
+    pub fn is_costly(&self) -> bool {
+        matches!(self.form, Form::Hysteresis)
+    }
+
+    /// Size of the fitted effect relative to one that is just worth naming: less changes the motion by less than real
+    /// friction scatters, and may stand for an imperfection of the method.
+    pub fn relative_size(&self, fitted: &Hypothesis) -> f64 {
+        let value = |dotted: &str| fitted.value(dotted).unwrap_or(0.0);
+        match self.form {
+            Form::One {
+                section,
+                key,
+                scale,
+                near,
+                ..
+            } => {
+                let size = value(&format!("{section}.{key}")) / scale;
+                // What starts near one is a factor or an exponent, and off there.
+                if near > 0.5 {
+                    (size - 1.0).abs() / LEAST_DEPARTURE
+                } else {
+                    size.abs() / LEAST_SIZE
+                }
+            }
+            Form::Polar {
+                section,
+                amplitude,
+                scale,
+                ..
+            } => value(&format!("{section}.{amplitude}")) / scale / LEAST_SIZE,
+            Form::Relaxation => {
+                value("shaft_hysteresis.stiffness") / RELAXING_STIFFNESS / LEAST_SIZE
+            }
+            Form::Stiction | Form::Stribeck | Form::Hysteresis => f64::INFINITY,
+        }
+    }
+
+    /// Whether the effect cannot grow from nothing in small steps, so that a poor start says little.
+    pub fn is_nonlinear(&self) -> bool {
+        match self.form {
+            Form::One { far, .. } => !far.is_empty(),
+            Form::Hysteresis | Form::Stribeck | Form::Stiction => true,
+            Form::Polar { .. } | Form::Relaxation => false,
+        }
+    }
+
+    /// The hypotheses from which fits of this effect on top of `base` start; empty if the effect
+    /// makes no sense there.
+    ///
+    /// With `far`, starts far from no effect are among them; without, only one that is hardly
+    /// different from `base` for effects that can grow from nothing.
+    pub fn starts(&self, base: &Hypothesis, far: bool) -> Vec<Hypothesis> {
+        if base.effects.iter().any(|name| name == self.name) {
+            return Vec::new();
+        }
+        let mut hypotheses = match self.form {
+            Form::One {
+                section,
+                key,
+                scale,
+                low,
+                high,
+                near,
+                far: distant,
+            } => std::iter::once(&near)
+                .chain(if far { distant } else { &[] })
+                .map(|&start| {
+                    let mut h = base.clone();
+                    switch_on(&mut h, section, &[(key, start * scale)]);
+                    let name = format!("{section}.{key}");
+                    h.free.push(Free::Value {
+                        name,
+                        scale,
+                        low,
+                        high,
+                    });
+                    h.x.push(start);
+                    h
+                })
+                .collect(),
+            Form::Polar {
+                section,
+                amplitude,
+                scale,
+                high,
+                held,
+            } => {
+                let (key, values) = held.first().copied().unwrap_or(("", &[0.0]));
+                // Without a choice of orders there is room for starts far from nothing.
+                let phases: &[f64] = if far && held.is_empty() {
+                    &[0.0, 1.6, 3.1, 4.7]
+                } else {
+                    &[]
+                };
+                let near = values.iter().map(|&value| (value, 0.001, 0.0));
+                let distant = phases.iter().map(|&phase| (0.0, 0.5, phase));
+                near.chain(distant)
+                    .map(|(value, size, angle)| {
+                        let mut h = base.clone();
+                        switch_on(
+                            &mut h,
+                            section,
+                            &[(key, value), (amplitude, size * scale), ("phase", angle)],
+                        );
+                        h.free.push(Free::Polar {
+                            amplitude: format!("{section}.{amplitude}"),
+                            phase: format!("{section}.phase"),
+                            scale,
+                            high,
+                        });
+                        h.x.extend([size * angle.cos(), size * angle.sin()]);
+                        h
+                    })
+                    .collect()
+            }
+            Form::Relaxation => [(0.01, 0.1), (0.01, 0.5)]
+                .iter()
+                .map(|&(stiffness, time)| {
+                    let mut h = base.clone();
+                    let section = "shaft_hysteresis";
+                    switch_on(
+                        &mut h,
+                        section,
+                        &[
+                            ("stiffness", RELAXING_STIFFNESS * stiffness),
+                            ("relaxation_time", time),
+                        ],
+                    );
+                    for (key, scale, low, high, start) in [
+                        ("stiffness", RELAXING_STIFFNESS, 0.0, 1.0, stiffness),
+                        ("relaxation_time", 1.0, 0.01, 3.0, time),
+                    ] {
+                        let name = format!("{section}.{key}");
+                        h.free.push(Free::Value {
+                            name,
+                            scale,
+                            low,
+                            high,
+                        });
+                        h.x.push(start);
+                    }
+                    h
+                })
+                .collect(),
+            Form::Stiction => law_starts::stiction(base),
+            Form::Stribeck => law_starts::stribeck(base),
+            Form::Hysteresis => law_starts::hysteresis(base),
+        };
+        for h in &mut hypotheses {
+            h.effects.push(self.name.to_owned());
+        }
+        hypotheses
+    }
+}
+
+fn switch_on(hypothesis: &mut Hypothesis, section: &str, values: &[(&str, f64)]) {
+    let value = |info: &'static stickslip::parameter::ParameterInfo| {
+        let given = values
+            .iter()
+            .find(|(key, _)| *key == info.key)
+            .map_or(0.0, |(_, v)| *v);
+        Ok::<f64, Infallible>(given)
+    };
+    let _ = hypothesis.rig.effects.insert(section, value);
+}
