@@ -12,9 +12,11 @@ use crate::series::{Scalar, Series, TERMS};
 /// Lowest order that is worth two sets of series.
 pub(super) const LOWEST_ORDER: usize = 4;
 
-/// Relative accuracy wanted of the derivatives in one segment. With less of it than the motion has, fewer
+/// Best relative accuracy of the derivatives in one segment. With less of it than the motion has, fewer
 /// orders do, and derivatives count as free of transients about where the motion does.
-pub(super) const ACCURACY: f64 = 1e-9;
+const BEST_ACCURACY: f64 = 1e-9;
+/// The same over the tolerance of a coarser run.
+const OVER_TOLERANCE: f64 = 10.0;
 
 /// Terms of a derivative's series by which its size is judged.
 const FIRST_TERMS: usize = 4;
@@ -63,6 +65,11 @@ impl<S: Scalar> Tangent<S> {
         }
     }
 
+    /// Relative accuracy wanted of the derivatives in one segment.
+    pub(super) fn accuracy(&self) -> f64 {
+        BEST_ACCURACY.max(OVER_TOLERANCE * self.tolerance)
+    }
+
     /// Notes the tolerance of the run.
     pub fn set_tolerance(&mut self, tolerance: f64) {
         self.tolerance = tolerance;
@@ -95,13 +102,14 @@ impl<S: Scalar> Tangent<S> {
             / if known {
                 share * self.tolerance
             } else {
-                ACCURACY
+                self.accuracy()
             };
         self.step = step_from_last_terms(last * scale, before * scale, order).min(1.0);
+        let accuracy = self.accuracy();
         let (mut power, mut wanted) = (1.0, LOWEST_ORDER);
         for (k, size) in sizes[..=order].iter().enumerate() {
             // A derivative of (t/T)^k by T is k times as large.
-            if size * power * k as f64 > ACCURACY {
+            if size * power * k as f64 > accuracy {
                 wanted = wanted.max(k);
             }
             power *= self.step;
@@ -118,7 +126,7 @@ impl<S: Scalar> Tangent<S> {
         self.reach >= self.step
     }
 
-    /// Time [s] in which the last terms of the derivatives up to order `top` stay below [`ACCURACY`], their size
+    /// Time [s] in which the last terms of the derivatives up to order `top` stay below [`Self::accuracy`], their size
     /// judged by the first `terms`.
     fn reach_of(&self, top: usize, terms: usize, jet: &RigJet<S>) -> f64 {
         let (rates, angles): (&[usize], &[usize]) = if self.rig.outer.is_some() {
@@ -141,7 +149,7 @@ impl<S: Scalar> Tangent<S> {
             last.enlarge(self.step, &series[top]);
         }
         let share = last.largest_share(&whole);
-        libm::exp(-libm::log(share / ACCURACY) / (top - 1) as f64)
+        libm::exp(-libm::log(share / self.accuracy()) / (top - 1) as f64)
     }
 
     /// As [`Self::judge`] for a series of all orders, whose motion carries the fast modes.

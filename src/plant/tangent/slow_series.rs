@@ -5,7 +5,7 @@
 //! transformed variables as they drive those of the motion.
 
 use super::debts::{ON_CIRCUIT, ON_DISC, ON_DISC_1, ON_MOTOR};
-use super::motion::{ACCURACY, Tangent};
+use super::motion::Tangent;
 use super::pin::PinTangent;
 use crate::plant::RigState;
 use crate::plant::index::{self, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
@@ -146,7 +146,7 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
             self.follow(coordinates, corrected - 1);
         }
         let missed = [self.fast[0][0] - fast[0], self.fast[0][1] - fast[1]];
-        if derivatives_missed(&missed, state) > tolerance.max(ACCURACY) {
+        if derivatives_missed(&missed, state) > tolerance.max(tangent.accuracy()) {
             return false;
         }
         self.assemble(coordinates, top, tangent, jet);

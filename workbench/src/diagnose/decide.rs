@@ -4,6 +4,7 @@ use super::catalogue::entry;
 use super::data::Data;
 use super::fit::{Fit, fit};
 use super::hypothesis::{Estimate, Hypothesis};
+use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
 use super::search::{Tried, WRONG, close_up, fit_entry, folds, gain, try_all};
 use super::structure::{Structure, structures};
@@ -31,7 +32,7 @@ const MOST_EFFECTS: usize = 3;
 pub enum Verdict {
     /// The model explains the records as it stands.
     NothingMissing,
-    /// It does with other nominal parameters.
+    /// It does with other nominal parameters than the analyst's.
     Parameters,
     /// It does with the effects that were added.
     Named,
@@ -102,7 +103,11 @@ pub enum Progress<'a> {
     Locating,
 }
 
-/// Steps after which it is known whether the analyst's model can explain the records.
+/// Steps after which it is known whether the analyst's model is far from explaining the records.
+const FIRST_STEPS: usize = 2;
+/// Misfit per residual above which it is.
+const FAR: f64 = 3.0;
+/// Steps after which it is known whether it can explain them.
 const FEW_STEPS: usize = 6;
 /// Steps within which its fit converges if it can.
 const MANY_STEPS: usize = 15;
@@ -110,7 +115,17 @@ const MANY_STEPS: usize = 15;
 /// Fits the analyst's model within the stated uncertainty of its parameters.
 pub fn fit_base(data: &Data, hypothesis: Hypothesis) -> Fit {
     let judging = Robust::JUDGING;
-    let direct = fit(data, hypothesis.clone(), data.anchors(), FEW_STEPS, judging);
+    let mut direct = fit(
+        data,
+        hypothesis.clone(),
+        data.anchors(),
+        FIRST_STEPS,
+        judging,
+    );
+    if direct.misfit(data) < FAR {
+        let steps = FEW_STEPS - FIRST_STEPS;
+        direct = fit(data, direct.hypothesis, direct.starts, steps, judging);
+    }
     if direct.misfit(data) < WRONG {
         return fit(data, direct.hypothesis, direct.starts, MANY_STEPS, judging);
     }
@@ -220,7 +235,7 @@ pub fn diagnose(
     let verdict = if left {
         Verdict::NotInCatalogue
     } else if names.is_empty() {
-        if parameters_moved(&base) {
+        if parameters_moved(&base) || refitting_closes_a_gap(data, &base) {
             Verdict::Parameters
         } else {
             Verdict::NothingMissing

@@ -11,6 +11,8 @@ use stickslip::plant::RigState;
 
 /// Share of the windows that tell whether a model explains the records.
 const SOUND_SHARE: f64 = 0.97;
+/// Typical misfit per residual of a model that explains the records: those of right models are 0.92 to 0.95.
+const EXPLAINED: f64 = 0.98;
 /// Relative decrease of the loss below which a fit has converged.
 const CONVERGED: f64 = 1e-5;
 
@@ -338,12 +340,12 @@ impl Fit {
 
     /// Whether no more than the sensors' noise is left, even without random friction.
     pub fn is_explained(&self, data: &Data) -> bool {
-        self.misfit(data) < 1.03 && self.disturbance.relative < 0.01
+        self.typical_misfit(data) < EXPLAINED && self.disturbance.relative < 0.01
     }
 
     /// Whether no more than the sensors' noise and friction that fluctuates as real contacts do is left.
     pub fn is_explained_but_rough(&self, data: &Data) -> bool {
-        self.misfit(data) < 1.03 && self.disturbance.relative < 0.05
+        self.typical_misfit(data) < EXPLAINED && self.disturbance.relative < 0.05
     }
 
     /// The loss that the quadratic forms promise after one more step.

@@ -111,7 +111,7 @@ pub fn window_gram<const N: usize>(
     }
     let delay = rig.effects.sensor_delay.map_or(Dual::ZERO, |d| d.delay);
     let options = Options {
-        tolerance: 1e-8,
+        tolerance: 1e-7,
         order: 14,
         ..Options::default()
     };

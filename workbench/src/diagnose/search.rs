@@ -28,10 +28,12 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// Whether the effect has a size that is worth naming, or records that show a smaller one beyond doubt.
+    /// Whether the effect has a size that is worth naming; the smaller it is, the better records must show it.
     pub fn is_material(&self) -> bool {
         let size = entry(self.name).map_or(0.0, |entry| entry.relative_size(&self.fit.hypothesis));
-        size > 1.0 || size > NEARLY_NOTHING && self.gain > BEYOND_DOUBT
+        size > CONSIDERABLE
+            || size > 1.0 && self.gain > WELL_SHOWN
+            || size > NEARLY_NOTHING && self.gain > BEYOND_DOUBT
     }
 }
 
@@ -65,10 +67,11 @@ pub fn folds(data: &Data) -> Vec<usize> {
     folds
 }
 
-/// Gain of `candidate` over `base` on windows not fitted to, with its 95 % interval.
+/// Gain of `candidate` over `base` on windows not fitted to, with its 95 % interval. A window on which they differ by much
+/// more than on almost all others counts no more than those: one of the two has not found its start.
 pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
     // A window that one of the two could not run through says nothing about which is right.
-    let differences: Vec<f64> = base
+    let mut differences: Vec<f64> = base
         .iter()
         .zip(candidate)
         .map(|(&b, &c)| {
@@ -79,6 +82,10 @@ pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
             }
         })
         .collect();
+    let most = usual_size(&differences);
+    for difference in &mut differences {
+        *difference = difference.clamp(-most, most);
+    }
     let blocks: Vec<f64> = differences
         .chunks(BLOCK)
         .map(|block| block.iter().sum())
@@ -101,6 +108,23 @@ pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
     (total, [resampled[9], resampled[389]])
 }
 
+/// Share of the windows that differ by no more than is usual.
+const USUAL_SHARE: f64 = 0.97;
+/// Difference of ln likelihood that is usual whatever the others are.
+const LEAST_USUAL: f64 = 20.0;
+
+/// The size that almost all of the windows' differences keep to.
+fn usual_size(differences: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let at = (USUAL_SHARE * sizes.len() as f64) as usize;
+    sizes.get(at).copied().unwrap_or(0.0).max(LEAST_USUAL)
+}
+
+/// Multiple of the size worth naming from which on an effect needs no more gain than any.
+const CONSIDERABLE: f64 = 3.0;
+/// Gain in ln likelihood that an effect of the size worth naming needs: the real ones have several times as much.
+const WELL_SHOWN: f64 = 40.0;
 /// Share of the size worth naming below which an effect is none.
 const NEARLY_NOTHING: f64 = 0.1;
 /// Gain in ln likelihood that no imperfection of the method brings about.
@@ -119,10 +143,20 @@ const RIVALS: f64 = 25.0;
 const MOST_RIVALS: usize = 5;
 /// Decrease of the loss on the thinned windows that a start must promise to be followed up.
 const LEAST_PROMISE: f64 = 3.0;
+/// The same on top of another effect, where more gain is asked for.
+const LEAST_FURTHER_PROMISE: f64 = 8.0;
 /// Starts that are followed up although others promise much more.
 const FOLLOWED: usize = 6;
 /// Starts of one entry of which all are followed.
 const SCANNED: usize = 4;
+/// The same of an entry that is costly to fit.
+const COSTLY_SCANNED: usize = 2;
+/// Every so-manieth window serves for looking at the starts of a costly entry.
+const SCAN_THINNING: usize = 3;
+/// Gain projected from a part of the windows, over the least promise, from which on a small effect is fitted to all.
+const PROMISING: f64 = 2.0;
+/// Most effects that are fitted to all windows for that reason alone.
+const MOST_HOPEFUL: usize = 2;
 /// Candidates that are fitted to all windows although others are much better.
 const FINALISTS: usize = 3;
 
@@ -137,7 +171,7 @@ pub fn try_all(
 ) -> Vec<Tried> {
     // Under a law with branches even a small effect moves windows to another branch, which small steps do not undo.
     let branches = base.hypothesis.rig.law.has_branches() && !base.is_explained(data);
-    let wrong = base.misfit(data) > WRONG || base.disturbance.relative > 0.05 || branches;
+    let wrong = base.typical_misfit(data) > WRONG || base.disturbance.relative > 0.05 || branches;
     let thinning = thinning(data);
     let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning).collect();
     let part = data.part(&kept);
@@ -151,12 +185,14 @@ pub fn try_all(
         .iter()
         .map(|(_, fit)| fit.loss)
         .fold(base_part.loss, f64::min);
+    // What the base would gain itself by fitting the part alone is no gain of an effect.
+    let promised = base_part.promised_loss(&part);
     let (mut whole, mut on_part) = (Vec::new(), Vec::new());
     let explained = explored
         .first()
         .is_some_and(|(_, fit)| fit.is_explained_but_rough(&part));
     for (rank, (entry, found)) in explored.into_iter().enumerate() {
-        let gains = found.loss < base_part.loss - LEAST_PROMISE;
+        let gains = found.loss < promised - least_promise(base);
         let rivals = if wrong {
             found.loss < best + HOPELESS
         } else {
@@ -173,11 +209,27 @@ pub fn try_all(
             on_part.push((entry, found));
         }
     }
-    let mut tried = compared(data, base.clone(), whole, 1.0);
-    for mut projected in compared(&part, base_part, on_part, thinning as f64) {
-        projected.is_finalist = false;
-        tried.push(projected);
+    let mut projected = compared(&part, base_part, on_part, thinning as f64);
+    projected.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut left = Vec::new();
+    for (rank, mut hopeful) in projected.into_iter().enumerate() {
+        let promising = hopeful.gain > PROMISING * least_promise(base);
+        if !wrong
+            && promising
+            && rank < MOST_HOPEFUL
+            && let Some(entry) = entry(hopeful.name)
+        {
+            progress(entry.name);
+            let starts = base.starts.clone();
+            let fitted = fit(data, hopeful.fit.hypothesis, starts, 25, base.judging);
+            whole.push((entry, fitted));
+        } else {
+            hopeful.is_finalist = false;
+            left.push(hopeful);
+        }
     }
+    let mut tried = compared(data, base.clone(), whole, 1.0);
+    tried.extend(left);
     tried.sort_by(|a, b| {
         (b.is_finalist, b.gain)
             .partial_cmp(&(a.is_finalist, a.gain))
@@ -191,8 +243,10 @@ pub fn try_all(
 fn compared(data: &Data, base: Fit, fits: Vec<(&'static Entry, Fit)>, scale: f64) -> Vec<Tried> {
     let mut base = base;
     let mut fits = fits;
+    base.find_lost_starts(data);
     for (_, fitted) in &mut fits {
         fitted.share_starts(data, &base);
+        fitted.find_lost_starts(data);
         base.share_starts(data, fitted);
     }
     let folds = folds(data);
@@ -351,7 +405,7 @@ impl Exploration<'_> {
     fn follow(&mut self, starts: Vec<(f64, &'static Entry, Fit)>, progress: &mut dyn FnMut(&str)) {
         for (rank, (promised, entry, start)) in starts.into_iter().enumerate() {
             let mut fitted = start;
-            let gains = promised < self.promised - LEAST_PROMISE;
+            let gains = promised < self.promised - least_promise(self.base);
             let rivals = promised < self.best + HOPELESS;
             let unsettled = !self.explained && (rank < FOLLOWED || entry.is_nonlinear());
             if gains && (rivals || self.wrong && unsettled) {
@@ -380,18 +434,39 @@ impl Exploration<'_> {
 
 /// The starts of one entry on top of `base`, looked at on the windows of `part`.
 fn entry_looks(part: &Data, base: &Fit, entry: &Entry, wrong: bool) -> Vec<Fit> {
-    let mut first: Vec<Fit> = entry
+    let mut starts: Vec<Hypothesis> = entry
         .starts(&base.hypothesis, wrong)
         .into_iter()
         .filter(|start| start.dimension() <= super::gram::MOST_FREE)
+        .collect();
+    if entry.is_costly() {
+        starts = most_promising(part, base, starts);
+    }
+    let mut first: Vec<Fit> = starts
+        .into_iter()
         .map(|start| fit(part, start, base.starts.clone(), 0, base.judging))
         .collect();
     // Many starts scan a range in which only the neighbourhood of the best is worth steps.
     if first.len() > SCANNED {
         first.sort_by(|a, b| a.promised_loss(part).total_cmp(&b.promised_loss(part)));
-        first.truncate(if entry.is_costly() { 2 } else { SCANNED });
+        first.truncate(SCANNED);
     }
     first
+}
+
+/// Of the many starts of a costly entry the few that promise most on every so-manieth window.
+fn most_promising(part: &Data, base: &Fit, starts: Vec<Hypothesis>) -> Vec<Hypothesis> {
+    let kept: Vec<usize> = (0..part.windows.len()).step_by(SCAN_THINNING).collect();
+    let few = part.part(&kept);
+    let base = base.part(&few, &kept);
+    let mut looked: Vec<(f64, Hypothesis)> = starts
+        .into_iter()
+        .map(|start| fit(&few, start, base.starts.clone(), 0, base.judging))
+        .map(|look| (look.promised_loss(&few), look.hypothesis))
+        .collect();
+    looked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    looked.truncate(COSTLY_SCANNED);
+    looked.into_iter().map(|(_, start)| start).collect()
 }
 
 /// The best fit of one entry on top of `base`: every start is looked at on a part of short windows, the best is fitted
@@ -422,6 +497,15 @@ pub fn close_up(data: &Data, hypothesis: &Hypothesis) -> (Data, Fit) {
     )
     .judged_by_itself(&close);
     (close, fitted)
+}
+
+/// Decrease of the loss on the thinned windows that an effect on top of `base` must bring.
+fn least_promise(base: &Fit) -> f64 {
+    if base.hypothesis.effects.is_empty() {
+        LEAST_PROMISE
+    } else {
+        LEAST_FURTHER_PROMISE
+    }
 }
 
 fn thinning(data: &Data) -> usize {
