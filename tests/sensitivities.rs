@@ -7,7 +7,7 @@ use common::grazing::{GRAZING_LAWS, TOUCH, TOWARDS_REST, around_grazing};
 use common::{LAWS, rig_text};
 use stickslip::integrator::Simulation;
 use stickslip::plant::{Rig, RigInputs, RigState, STATES, index::*, sensitivities};
-use stickslip::series::Dual;
+use stickslip::series::{Dual, Scalar};
 
 /// Largest difference between a derivative and its central difference, relative to the largest
 /// derivative of that state variable's kind with respect to the same quantity.
@@ -166,6 +166,38 @@ fn initial_states_of_every_law_and_both_rigs() {
             println!("{:20} full rig {full:5}: worst {worst:.1e}", law.0);
             assert!(worst < BAR, "{}, full rig {full}: {worst:e}", law.0);
         }
+    }
+}
+
+/// The state at 1 s of a run whose normal force drops at 0.3 s below what holds the disc.
+fn after_drop<S: Scalar>(rig: &Rig<S>) -> RigState<S> {
+    let held = |force| RigInputs::<f64>::held(3.1, force, 0.0).lift();
+    let start = [S::ZERO; STATES];
+    let mut run = common::start(rig, 1e-13, start, held(50.0)).unwrap();
+    run.set_inputs(0.3, held(5.0)).unwrap();
+    assert_eq!(run.pending_switch().unwrap().time, 0.3);
+    run.advance_to(1.0).unwrap();
+    run.state_at(1.0)
+}
+
+#[test]
+fn a_disc_that_new_inputs_set_free_goes_at_that_instant_whatever_the_parameters() {
+    let rig = common::rig(false, common::law("stribeck"), "");
+    for name in ["shaft.stiffness", "disc.inertia", "contact.mu_s"] {
+        let value = rig.parameter(name).unwrap();
+        let mut lifted = rig.lift::<Dual<1>>();
+        lifted
+            .set_parameter(name, Dual::variable(value, 0))
+            .unwrap();
+        let ours = after_drop(&lifted).map(|x| x.derivative[0]);
+        let expected = difference(value, 2e-5 * value, |value| {
+            let mut changed = rig;
+            changed.set_parameter(name, value).unwrap();
+            after_drop(&changed)
+        });
+        let error = error(&ours, &expected);
+        println!("{name}: {error:.1e}");
+        assert!(error < BAR, "{name}: {ours:?} instead of {expected:?}");
     }
 }
 

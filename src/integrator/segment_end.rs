@@ -93,12 +93,17 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             let kind = guard.kind;
             self.end = End::Switch(kind);
             let series = &guard.series[..=order];
+            if step == 0.0 && series[0] < -NEGATIVE_ROUNDING * size(series, reach) {
+                // It was lost before the segment began, by new inputs or the switch before: at that instant.
+                self.expanded = true;
+                return Ok(());
+            }
             let slope = evaluate_derivative(series, step);
-            let size = series[0].abs().max(1e-3);
+            let start = series[0].abs().max(1e-3);
             let bend = second_derivative(series, step).max(0.0);
             // It dips below zero by slope²/(2 bend) before it rises again.
             let depth = GRAZING * self.options.tolerance * (1.0 + series[0].abs());
-            if slope * slope > 2.0 * bend * depth && slope.abs() > 1e-9 * size {
+            if slope * slope > 2.0 * bend * depth && slope.abs() > 1e-9 * start {
                 self.move_switch(kind, step, slope);
             } else {
                 self.statistics.grazing += 1;
@@ -182,18 +187,24 @@ fn larger(a: f64, b: f64) -> f64 {
     }
 }
 
+/// Σ |c| `reach`^k: what a guard is large or small against.
+fn size(series: &[f64], reach: f64) -> f64 {
+    let mut size = 0.0;
+    let mut power = 1.0;
+    for c in series {
+        size += c.abs() * power;
+        power *= reach;
+    }
+    size
+}
+
 /// Local time within `width` at which a guard is lost. Right behind a switch (`departing`) a guard may
 /// start at zero: leading coefficients that are only rounding over the length `reach`, on which the
 /// series is good, are divided out. A guard that is lost by more than that is lost at once.
 fn loss(series: &[f64], reach: f64, width: f64, departing: bool) -> Option<f64> {
     let mut series = series;
     if departing || series[0] == 0.0 {
-        let mut size = 0.0;
-        let mut power = 1.0;
-        for c in series {
-            size += c.abs() * power;
-            power *= reach;
-        }
+        let size = size(series, reach);
         let mut power = 1.0;
         let is_rounding = |c: f64, power: f64| {
             let limit = if c < 0.0 && departing {
