@@ -35,9 +35,10 @@ fn compare(case: &Table) -> (f64, f64, u64) {
     inputs.voltage = polynomial(case, "voltage");
     inputs.normal_force = polynomial(case, "normal_force");
     inputs.normal_force_1 = polynomial(case, "normal_force_1");
-    let initial: [f64; STATES_IN_FILE] = numbers(case, "initial").try_into().unwrap();
+    // Bristles are listed only where there are any.
+    let initial = numbers(case, "initial");
     let mut state = [0.0; STATES];
-    state[..STATES_IN_FILE].copy_from_slice(&initial);
+    state[..initial.len()].copy_from_slice(&initial);
     let mut run = Simulation::new(rig, common::options(1e-13), 0.0, state, inputs).unwrap();
     let (mut state_error, mut instants) = (0.0_f64, Vec::new());
     for (time, expected) in numbers(case, "times")
@@ -71,9 +72,6 @@ fn compare(case: &Table) -> (f64, f64, u64) {
         .fold(0.0, f64::max);
     (state_error, instant_error, run.statistics().branch_jumps)
 }
-
-/// State variables that the reference file lists.
-const STATES_IN_FILE: usize = 8;
 
 #[test]
 fn trajectories_and_switches_agree_with_an_independent_method() {

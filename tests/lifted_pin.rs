@@ -1,14 +1,14 @@
 //! A contact without normal force: it neither holds nor chatters when its disc starts from rest.
 
 use stickslip::integrator::{Options, Simulation};
-use stickslip::plant::{Rig, RigInputs};
+use stickslip::plant::{Rig, RigInputs, STATES};
 
 #[test]
 fn outer_disc_without_friction_starts_with_its_neighbour() {
     let text = include_str!("../modelDescription/full-rig.toml");
     let rig = Rig::<f64>::from_toml(text, "full-rig.toml").unwrap();
     let inputs = RigInputs::held(rig.voltage_for_speed(5.76), 50.0, 0.0);
-    let mut run = Simulation::new(rig, Options::default(), 0.0, [0.0; 8], inputs).unwrap();
+    let mut run = Simulation::new(rig, Options::default(), 0.0, [0.0; STATES], inputs).unwrap();
     run.advance_to(0.3).unwrap();
     assert_eq!(
         run.state_at(0.3)[6],

@@ -67,6 +67,16 @@ fn error(ours: &RigState<f64>, expected: &RigState<f64>) -> f64 {
 }
 
 fn check_parameters(name: &str, rig: &Rig<f64>, state: RigState<f64>) {
+    check_parameters_until(END, name, rig, state, inputs(rig));
+}
+
+fn check_parameters_until(
+    end: f64,
+    name: &str,
+    rig: &Rig<f64>,
+    state: RigState<f64>,
+    inputs: RigInputs<f64>,
+) {
     let names: Vec<String> = rig
         .parameters()
         .into_iter()
@@ -77,7 +87,7 @@ fn check_parameters(name: &str, rig: &Rig<f64>, state: RigState<f64>) {
         .collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let options = common::options(1e-13);
-    let all = sensitivities(rig, &names, options, &state, &inputs(rig), &[END]).unwrap();
+    let all = sensitivities(rig, &names, options, &state, &inputs, &[end]).unwrap();
     assert!(!all[0].interrupted, "{name}");
     let mut worst = 0.0_f64;
     for (parameter, derivative) in names.iter().zip(&all[0].derivatives) {
@@ -85,9 +95,9 @@ fn check_parameters(name: &str, rig: &Rig<f64>, state: RigState<f64>) {
         let expected = difference(value, 2e-5 * value.abs().max(1e-2), |value| {
             let mut changed = *rig;
             changed.set_parameter(parameter, value).unwrap();
-            let mut run = common::start(&changed, 1e-13, state, inputs(rig)).unwrap();
-            run.advance_to(END).unwrap();
-            run.state_at(END)
+            let mut run = common::start(&changed, 1e-13, state, inputs).unwrap();
+            run.advance_to(end).unwrap();
+            run.state_at(end)
         });
         let error = error(derivative, &expected);
         worst = worst.max(error);
@@ -133,6 +143,60 @@ fn parameters_of_the_effects() {
     );
     let rig = common::rig(false, random, "");
     check_parameters("wojewoda, random", &rig, moving(false, ""));
+}
+
+#[test]
+fn parameters_and_initial_states_through_presliding() {
+    let bristles = "[presliding]\nstiffness = 20.0\ndamping = 0.05\n";
+    for law in LAWS {
+        if ["karnopp", "switch"].contains(&law.0) {
+            continue; // Refused.
+        }
+        for full in [false, true] {
+            let rig = common::rig(full, law, bristles);
+            let start = moving(full, law.0);
+            check_parameters(
+                &format!("{} on bristles, full rig {full}", law.0),
+                &rig,
+                start,
+            );
+        }
+    }
+    // Bristles that give way while their disc springs back.
+    for damping in [0.0, 0.01] {
+        let text = format!("[presliding]\nstiffness = 12.0\ndamping = {damping:?}\n");
+        let rig = common::rig(false, common::law("stribeck"), &text);
+        let mut start = [0.0; STATES];
+        (start[THETA], start[BRISTLE]) = (0.02, 0.02);
+        let mut inputs = RigInputs::held(0.0, 25.0, 0.0);
+        inputs.normal_force = [25.0, -60.0, 48.0, 0.0];
+        check_parameters_until(0.4, "bristles that give way", &rig, start, inputs);
+        let end = |state: RigState<f64>| {
+            let mut run = common::start(&rig, 1e-13, state, inputs).unwrap();
+            run.advance_to(0.4).unwrap();
+            run.state_at(0.4)
+        };
+        for place in [THETA, OMEGA, BRISTLE] {
+            let mut lifted: RigState<Dual<1>> = start.map(Dual::constant);
+            lifted[place] = Dual::variable(start[place], 0);
+            let options = common::options(1e-13);
+            let (lifted_rig, inputs) = (rig.lift::<Dual<1>>(), inputs.lift());
+            let mut run = Simulation::new(lifted_rig, options, 0.0, lifted, inputs).unwrap();
+            run.advance_to(0.4).unwrap();
+            let ours = run.state_at(0.4).map(|x| x.derivative[0]);
+            let expected = difference(start[place], 2e-6, |value| {
+                let mut changed = start;
+                changed[place] = value;
+                end(changed)
+            });
+            let error = error(&ours, &expected);
+            println!("state {place}: {error:.1e}");
+            assert!(
+                error < BAR,
+                "state {place}: {error:e}: {ours:?} instead of {expected:?}"
+            );
+        }
+    }
 }
 
 #[test]

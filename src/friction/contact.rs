@@ -56,7 +56,8 @@ pub enum ContactMode {
     /// The surfaces stick; friction is a reaction.
     Stuck,
     /// Within the band that Karnopp's law and the switch model take for zero velocity, but pushed
-    /// in this direction by more than the breakaway torque.
+    /// in this direction by more than the breakaway torque. Of a contact with bristles: they carry the
+    /// breakaway torque in this direction and give way, while the disc is at rest or springs back.
     Breaking(Direction),
     /// The surfaces slide.
     Slipping(Direction, Regime),

@@ -1,6 +1,7 @@
 //! The rig with its effects: the recurrences order by order, and a pin contact in any of its modes.
 
-use super::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
+use super::bristle::{follow_bristle, stuck_order};
+use super::index::{BRISTLE, BRISTLE1, CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
 use super::jet::{PinJet, RigJet};
 use super::load::MINUTE;
 use super::{Coupling, Rig, RigInputs, RigMode};
@@ -162,6 +163,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
             on_disc += self.disturbances[0];
             on_motor += self.disturbances[1];
         }
+        let presliding = rig.effects.presliding.as_ref();
         let mut resisting = shaft_torque - on_disc;
         if let (Some(outer), Some(template), Some(pin)) =
             (&rig.outer, &self.disc1_slip, &mut jet.disc1)
@@ -169,32 +171,66 @@ impl<'a, S: Scalar> Bodies<'a, S> {
             let outer_torque = outer.shaft.stiffness * (x[THETA1][k] - x[THETA][k])
                 + outer.shaft.damping * (x[OMEGA1][k] - x[OMEGA][k]);
             resisting -= outer_torque;
-            let acceleration = contact_order(
-                k,
-                mode.disc1,
-                outer_torque,
-                self.breakaway[1],
-                self.decay[1],
-                template,
-                &x[THETA1],
-                &x[OMEGA1],
-                pin,
-            );
+            let acceleration = match presliding {
+                Some(bristle) if mode.disc1.is_stuck() => {
+                    let moved = (x[BRISTLE1][k], x[OMEGA1][k]);
+                    stuck_order(
+                        k,
+                        bristle,
+                        moved,
+                        outer_torque,
+                        self.breakaway[1],
+                        template,
+                        pin,
+                    )
+                }
+                _ => contact_order(
+                    k,
+                    mode.disc1,
+                    outer_torque,
+                    self.breakaway[1],
+                    self.decay[1],
+                    template,
+                    &x[THETA1],
+                    &x[OMEGA1],
+                    pin,
+                ),
+            };
+            if let Some(bristle) = presliding {
+                follow_bristle(k, bristle, mode.disc1, x[OMEGA1][k], pin, &mut x[BRISTLE1]);
+            }
             x[OMEGA1][next] = acceleration * per_next;
             x[THETA1][next] = x[OMEGA1][k] * per_next;
         }
 
-        let acceleration = contact_order(
-            k,
-            mode.disc,
-            resisting,
-            self.breakaway[0],
-            self.decay[0],
-            &self.disc_slip,
-            &x[THETA],
-            &x[OMEGA],
-            &mut jet.disc,
-        );
+        let acceleration = match presliding {
+            Some(bristle) if mode.disc.is_stuck() => {
+                let moved = (x[BRISTLE][k], x[OMEGA][k]);
+                let (level, template) = (self.breakaway[0], &self.disc_slip);
+                stuck_order(k, bristle, moved, resisting, level, template, &mut jet.disc)
+            }
+            _ => contact_order(
+                k,
+                mode.disc,
+                resisting,
+                self.breakaway[0],
+                self.decay[0],
+                &self.disc_slip,
+                &x[THETA],
+                &x[OMEGA],
+                &mut jet.disc,
+            ),
+        };
+        if let Some(bristle) = presliding {
+            follow_bristle(
+                k,
+                bristle,
+                mode.disc,
+                x[OMEGA][k],
+                &jet.disc,
+                &mut x[BRISTLE],
+            );
+        }
         x[OMEGA][next] = acceleration * per_next;
         x[THETA][next] = x[OMEGA][k] * per_next;
 
@@ -269,7 +305,7 @@ pub(super) fn contact_order<S: Scalar>(
     }
 }
 
-fn breakaway_order<S: Scalar>(
+pub(super) fn breakaway_order<S: Scalar>(
     k: usize,
     level: S,
     template: &SlipTemplate<'_, S>,

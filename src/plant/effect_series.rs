@@ -59,11 +59,13 @@ impl<S: Scalar> Bodies<'_, S> {
         if let Some(drag) = &effects.viscous_drag {
             torque -= drag.coefficient * x[OMEGA][k];
         }
-        if let (
-            Some(drag),
-            ContactMode::Slipping(direction, _) | ContactMode::Breaking(direction),
-        ) = (&effects.quadratic_drag, mode.disc)
-        {
+        let moving = match mode.disc {
+            ContactMode::Slipping(direction, _) => Some(direction),
+            // Bristles that give way do so against the disc's motion.
+            ContactMode::Breaking(direction) if effects.presliding.is_none() => Some(direction),
+            ContactMode::Breaking(_) | ContactMode::Stuck => None,
+        };
+        if let (Some(drag), Some(direction)) = (&effects.quadratic_drag, moving) {
             let square = convolution(&x[OMEGA][..=k], &x[OMEGA][..=k]);
             torque -= drag.coefficient * square * direction.sign();
         }

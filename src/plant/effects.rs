@@ -170,6 +170,17 @@ section! {
     }
 }
 
+section! {
+    /// Bristles of a sticking pin: it gives way like a spring with a damper, T = σ0 z + σ1 dz/dt, until
+    /// T reaches the breakaway torque (Dahl 1968; Dupont, Hayward, Armstrong and Altpeter 2002).
+    pub struct Presliding {
+        /// Stiffness σ0 of the bristles
+        stiffness: "N.m/rad", Range::Positive;
+        /// Damping σ1 of the bristles
+        damping: "N.m.s/rad", Range::NonNegative;
+    }
+}
+
 macro_rules! effects {
     ($( $field:ident : $kind:ident, )*) => {
         /// The effects that are switched on.
@@ -270,6 +281,7 @@ effects! {
     load_cell_bias: LoadCellBias,
     friction_wear: FrictionWear,
     load_exponent: LoadExponent,
+    presliding: Presliding,
     stochastic_friction: StochasticFriction,
     sensor_delay: SensorDelay,
 }

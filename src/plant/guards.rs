@@ -1,6 +1,7 @@
 //! What ends each mode: the guards' series, collected from the series just computed.
 
-use super::index::{OMEGA, OMEGA1, OMEGA3};
+use super::bristle::{Bristle, bristle_guards};
+use super::index::{BRISTLE, BRISTLE1, OMEGA, OMEGA1, OMEGA3};
 use super::jet::PinJet;
 use super::{Contact, Coupling, Rig, RigGuard, RigJet, RigMode};
 use crate::friction::{ContactMode, Direction, Law, Regime};
@@ -8,7 +9,7 @@ use crate::integrator::Guard;
 use crate::series::{Scalar, Series, TERMS, convolution};
 
 /// Takes what is watched in a mode: the guard and the coefficients of its quantity.
-trait Watcher<S> {
+pub(super) trait Watcher<S> {
     fn watch(&mut self, kind: RigGuard, coefficient: impl Fn(usize) -> S);
 }
 
@@ -73,8 +74,16 @@ impl<S: Scalar> Rig<S> {
             disc1,
             motor_torque,
             twist,
+            order,
             ..
         } = jet;
+        let bristle = |place: usize| {
+            self.effects.presliding.as_ref().map(|presliding| Bristle {
+                presliding,
+                deflection: &states[place],
+                order: *order,
+            })
+        };
         pin_guards(
             Contact::Disc,
             mode.disc,
@@ -82,6 +91,7 @@ impl<S: Scalar> Rig<S> {
             &states[OMEGA],
             disc,
             mode.near[0],
+            bristle(BRISTLE),
             watcher,
         );
         if let (Some(outer), Some(pin)) = (&self.outer, disc1.as_ref()) {
@@ -92,6 +102,7 @@ impl<S: Scalar> Rig<S> {
                 &states[OMEGA1],
                 pin,
                 mode.near[1],
+                bristle(BRISTLE1),
                 watcher,
             );
         }
@@ -148,6 +159,7 @@ fn pin_guards<S: Scalar>(
     omega: &Series<S>,
     pin: &PinJet<S>,
     near: f64,
+    bristle: Option<Bristle<'_, S>>,
     watcher: &mut impl Watcher<S>,
 ) {
     let (band, _) = law.band();
@@ -160,6 +172,9 @@ fn pin_guards<S: Scalar>(
             1.0
         };
         watcher.watch(RigGuard::Load(contact), |k| moving[k] * sign);
+    }
+    if let (Some(bristle), ContactMode::Stuck | ContactMode::Breaking(_)) = (bristle, mode) {
+        return bristle_guards(contact, mode, bristle, omega, pin, watcher);
     }
     match mode {
         ContactMode::Stuck => {

@@ -5,6 +5,7 @@
 //! gearbox unless their name says motor.
 
 mod bodies;
+mod bristle;
 mod effect_series;
 mod effects;
 mod expansion;

@@ -85,9 +85,11 @@ pub enum RigGuard {
     Rest(Contact),
     /// A stuck contact breaks away in this direction.
     Breakaway(Contact, Direction),
-    /// A contact leaves the band of zero velocity in this direction.
+    /// A contact leaves the band of zero velocity in this direction; of bristles that give way: the disc
+    /// turns to move along with them.
     LeaveBand(Contact, Direction),
-    /// A contact inside the band of zero velocity is no longer pushed hard enough.
+    /// A contact inside the band of zero velocity is no longer pushed hard enough; of bristles that give
+    /// way: they hold again.
     Calm(Contact),
     /// The slip acceleration of a contact that sped up (`Forward`) or slowed down changes its sign.
     Turn(Contact, Direction),

@@ -6,7 +6,7 @@ use crate::parameter::{self, Parameter, ParameterError, Section};
 use crate::series::Scalar;
 
 /// Number of state variables of the largest rig.
-pub const STATES: usize = 8;
+pub const STATES: usize = 10;
 
 /// Position of each state variable.
 pub mod index {
@@ -26,6 +26,11 @@ pub mod index {
     pub const OMEGA1: usize = 6;
     /// Torque of the shaft's relaxing part [N m]; zero without shaft hysteresis.
     pub const RELAXING_TORQUE: usize = 7;
+    /// Deflection of the bristles between D2 and its pin [rad]; zero while the disc slides and without
+    /// presliding.
+    pub const BRISTLE: usize = 8;
+    /// The same on D1.
+    pub const BRISTLE1: usize = 9;
 }
 
 /// Continuous state of a rig, at the positions of [`index`].
@@ -160,10 +165,10 @@ impl<S: Scalar> Rig<S> {
     pub fn check(&self) -> Result<(), ParameterError> {
         parameter::check(&self.sections())?;
         self.law.check("contact")?;
-        match &self.outer {
-            Some(outer) => outer.law.check("contact1"),
-            None => Ok(()),
+        if let Some(outer) = &self.outer {
+            outer.law.check("contact1")?;
         }
+        self.check_bristles()
     }
 
     /// The same rig over another kind of number, without derivatives.

@@ -1,6 +1,6 @@
 //! How a rig changes its modes.
 
-use super::index::{OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
+use super::index::{BRISTLE1, OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
 use super::jet::PinJet;
 use super::{Contact, Coupling, Rig, RigGuard, RigInputs, RigJet, RigMode, RigState};
 use crate::friction::{ContactMode, Direction, Law, Regime};
@@ -11,7 +11,7 @@ use crate::series::{Scalar, Series, TERMS, evaluate, evaluate_derivative, first_
 const FOLD_MARGIN: f64 = 0.5;
 
 impl<S: Scalar> Rig<S> {
-    fn law_of(&self, contact: Contact) -> Option<&Law<S>> {
+    pub(super) fn law_of(&self, contact: Contact) -> Option<&Law<S>> {
         match contact {
             Contact::Disc => Some(&self.law),
             Contact::Disc1 => self.outer.as_ref().map(|outer| &outer.law),
@@ -56,6 +56,10 @@ impl<S: Scalar> Rig<S> {
         inputs: &RigInputs<S>,
         jet: &mut RigJet<S>,
     ) {
+        if self.bristle(contact).is_some() {
+            // Whether bristles hold shows in their deflection.
+            return mode.set_contact(contact, ContactMode::Stuck);
+        }
         let (torque, limit) = self.holding_torques(contact, mode, time, state, inputs, jet);
         if torque.abs() <= limit {
             mode.set_contact(contact, ContactMode::Stuck);
@@ -64,7 +68,7 @@ impl<S: Scalar> Rig<S> {
         }
     }
 
-    fn break_away(&self, contact: Contact, direction: Direction, mode: &mut RigMode) {
+    pub(super) fn break_away(&self, contact: Contact, direction: Direction, mode: &mut RigMode) {
         let has_band = self
             .law_of(contact)
             .is_some_and(|law| law.band().0.value() > 0.0);
@@ -88,7 +92,7 @@ impl<S: Scalar> Rig<S> {
     /// torques can drive it on, or constant speed if neither can. `earlier` tells whether the speed
     /// grew or fell so far, if anything is known of it.
     #[allow(clippy::too_many_arguments)]
-    fn turn(
+    pub(super) fn turn(
         &self,
         contact: Contact,
         earlier: Option<Direction>,
@@ -178,7 +182,7 @@ fn folds<S: Scalar>(jet: &RigJet<S>) -> [Option<f64>; 2] {
 }
 
 /// Position of a contact's velocity in the state.
-fn velocity_of(contact: Contact) -> usize {
+pub(super) fn velocity_of(contact: Contact) -> usize {
     match contact {
         Contact::Disc => OMEGA,
         Contact::Disc1 => OMEGA1,
@@ -231,7 +235,9 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
 
     fn states<'a>(&self, jet: &'a RigJet<S>) -> &'a [Series<S>] {
         // The last components are zero for ever unless the rig has the parts they belong to.
-        let used = if self.effects.shaft_hysteresis.is_some() {
+        let used = if self.effects.presliding.is_some() {
+            BRISTLE1 + 1
+        } else if self.effects.shaft_hysteresis.is_some() {
             RELAXING_TORQUE + 1
         } else if self.outer.is_some() {
             OMEGA1 + 1
@@ -280,7 +286,8 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
             }
             _ => {
                 let mode = self.carry(mode, jet, tau);
-                self.expand_motion(&mode, time, state, inputs, 0, spare);
+                let order = self.order_of_guard(guard);
+                self.expand_motion(&mode, time, state, inputs, order, spare);
                 self.guard_value(&mode, guard, spare)
             }
         }
@@ -338,7 +345,7 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
         for &(contact, omega) in &contacts[..used] {
             let velocity = state[omega].value();
             let band = self.law_of(contact).map_or(0.0, |law| law.band().0.value());
-            if velocity.abs() > band {
+            if velocity.abs() > band && !self.is_deflected(contact, state) {
                 let regime = self.first_regime(contact);
                 mode.set_contact(
                     contact,
@@ -380,6 +387,7 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                     return mode;
                 };
                 state[omega] = band * direction.sign();
+                self.load_bristle(contact, &mode, time, state, inputs, jet);
                 self.mode_at_rest(contact, &mut mode, time, state, inputs, jet);
                 // A velocity that passes through zero goes on the other way, whatever rounding makes
                 // of a torque that is almost zero.
@@ -389,10 +397,16 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                     self.break_away(contact, direction.opposite(), &mut mode);
                 }
             }
-            RigGuard::Breakaway(contact, direction) => {
-                self.break_away(contact, direction, &mut mode)
-            }
+            RigGuard::Breakaway(contact, direction) => match self.bristle(contact) {
+                Some(_) => {
+                    self.let_go(contact, direction, &mut mode, time, state, inputs, jet);
+                }
+                None => self.break_away(contact, direction, &mut mode),
+            },
             RigGuard::LeaveBand(contact, direction) => {
+                if let Some((place, _)) = self.bristle(contact) {
+                    state[place] = S::ZERO;
+                }
                 mode.set_contact(
                     contact,
                     ContactMode::Slipping(direction, self.first_regime(contact)),

@@ -17,8 +17,10 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 HERE = pathlib.Path(__file__).parent
-TH, OM, TH3, OM3, I, TH1, OM1, W = range(8)
+TH, OM, TH3, OM3, I, TH1, OM1, W, Z, Z1 = range(10)
 RTOL, ATOL, LONGEST = 1e-13, 1e-13, 4e-3
+# Bristles may give way for less than a millisecond, and guards are looked at between steps.
+LONGEST_ON_BRISTLES = 2e-4
 
 REDUCED = """
 [disc]
@@ -84,6 +86,7 @@ EFFECTS = {
     "load_cell_bias": "bias = 5.0",
     "friction_wear": "rate_per_minute = 0.8",
     "load_exponent": "exponent = 0.8",
+    "presliding": "stiffness = 20.0\ndamping = 0.05",
     "stochastic_friction": "standard_deviation = 0.04\ncorrelation_time = 0.1\nseed = 5",
 }
 
@@ -198,6 +201,10 @@ class Rig:
             s = m["stochastic_friction"]
             self.noise = random_function(int(s["seed"]), s["correlation_time"])
 
+    def longest_step(self, mode):
+        on_bristles = any(self.has_bristles(name) and mode[name][0] != "slip" for name in self.pins)
+        return LONGEST_ON_BRISTLES if on_bristles else LONGEST
+
     def force(self, t):
         n = np.polynomial.polynomial.polyval(t, self.case["normal_force"])
         return n - self.m["load_cell_bias"]["bias"] if "load_cell_bias" in self.m else n
@@ -275,6 +282,28 @@ class Rig:
             torque -= m["quadratic_drag"]["coefficient"] * y[OM] * abs(y[OM])
         return torque
 
+    def has_bristles(self, name):
+        return "presliding" in self.m and name in self.pins
+
+    def bristles(self, name, y):
+        """Torque of the bristles of a pin that sticks."""
+        p, (z, v) = self.m["presliding"], ((y[Z], y[OM]) if name == "disc" else (y[Z1], y[OM1]))
+        return p["stiffness"] * z + p["damping"] * v
+
+    def yielding(self, name, t, y, sign):
+        """Deflection at which bristles that give way carry the breakaway torque."""
+        p, v = self.m["presliding"], y[OM] if name == "disc" else y[OM1]
+        return (sign * self.limit(name, t, y) - p["damping"] * v) / p["stiffness"]
+
+    def end_slip(self, name, t, y, mode):
+        """Slip velocity of the ends of bristles that give way: the disc's minus the bristles' own."""
+        sign, p = mode[name][1], self.m["presliding"]
+        v, force, radius = (y[OM], "normal_force", "contact") if name == "disc" else (y[OM1], "normal_force_1", "contact1")
+        rate = np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(self.case[force]))
+        falling = self.m[radius]["radius"] * rate * self.pins[name].breakaway()
+        own = (sign * falling - p["damping"] * self.acceleration(name, t, y, mode)) / p["stiffness"]
+        return sign * (v - own)
+
     def acceleration(self, name, t, y, mode):
         kind, sign, regime = mode[name]
         pull = self.pull(name, t, y, mode)
@@ -285,6 +314,8 @@ class Rig:
             return (pull - sign * self.limit("motor", t, y)) / inertia
         pin = self.pins[name]
         omega = y[OM] if name == "disc" else y[OM1]
+        if kind == "stuck" and self.has_bristles(name):
+            return (pull - self.bristles(name, y)) / pin.inertia
         if kind == "stuck":
             return -pin.decay * omega
         if kind == "breaking":
@@ -300,7 +331,7 @@ class Rig:
 
     def rhs(self, t, y, mode):
         m = self.m
-        d = np.zeros(8)
+        d = np.zeros(len(y))
         d[TH], d[TH3] = y[OM], y[OM3]
         d[OM], d[OM3] = self.acceleration("disc", t, y, mode), self.acceleration("motor", t, y, mode)
         u = np.polynomial.polynomial.polyval(t, self.case["voltage"])
@@ -316,6 +347,9 @@ class Rig:
         if "shaft_hysteresis" in m:
             h = m["shaft_hysteresis"]
             d[W] = h["stiffness"] * (y[OM] - y[OM3]) - y[W] / h["relaxation_time"]
+        for name, place, speed in (("disc", Z, OM), ("disc1", Z1, OM1)):
+            if self.has_bristles(name) and mode[name][0] == "stuck":
+                d[place] = y[speed]
         return d
 
     def guards(self, mode):
@@ -327,7 +361,13 @@ class Rig:
             kind, sign, regime = mode[name]
             pin = self.pins.get(name)
             band = pin.band if pin else 0.0
-            if kind == "stuck":
+            if self.has_bristles(name) and kind == "stuck":
+                for s in (1, -1):
+                    out.append((("break", name, s), lambda t, y, n=name, s=s: self.limit(n, t, y) - s * self.bristles(n, y)))
+            elif self.has_bristles(name) and kind == "breaking":
+                out.append((("leave", name, sign), lambda t, y, p=place, s=sign: -s * y[p]))
+                out.append((("calm", name, sign), lambda t, y, n=name: self.end_slip(n, t, y, mode)))
+            elif kind == "stuck":
                 for s in (1, -1):
                     out.append((("break", name, s), lambda t, y, n=name, s=s: self.limit(n, t, y) - s * self.pull(n, t, y, mode)))
             elif kind == "breaking":
@@ -389,6 +429,9 @@ class Rig:
         mode["guess"][name] = -0.0 if regime == "down" else 0.0
 
     def at_rest(self, name, t, y, mode):
+        if self.has_bristles(name):
+            mode[name] = ("stuck", 0, "")
+            return
         pull = self.pull(name, t, y, dict(mode, **{name: ("stuck", 0, "")}))
         if abs(pull) <= self.limit(name, t, y):
             mode[name] = ("stuck", 0, "")
@@ -428,7 +471,9 @@ class Rig:
 
     def switch(self, guard, t, y, mode):
         kind, name, sign = guard
-        if kind == "rest":
+        if self.has_bristles(name):
+            self.switch_bristles(guard, t, y, mode)
+        elif kind == "rest":
             place = {"disc": OM, "disc1": OM1, "motor": OM3}[name]
             pin = self.pins.get(name)
             y[place] = sign * (pin.band if pin else 0.0)
@@ -449,6 +494,36 @@ class Rig:
         elif kind == "lift":
             mode["lifted"] = not mode["lifted"]
 
+    def switch_bristles(self, guard, t, y, mode):
+        kind, name, sign = guard
+        speed, place = (OM, Z) if name == "disc" else (OM1, Z1)
+        if kind == "rest":
+            # The torque at the end of the slide is what the motion there says.
+            y[speed] = 0.0
+            a = self.acceleration(name, t, y, mode)
+            y[place] = (self.pull(name, t, y, mode) - self.pins[name].inertia * a) / self.m["presliding"]["stiffness"]
+            mode[name] = ("stuck", 0, "")
+        elif kind == "break" and sign * y[speed] > 0:
+            y[place] = 0.0
+            mode[name] = ("slip", sign, "up")
+            if self.pins[name].branched:
+                self.branch(name, sign, t, y, mode, 0)
+        elif kind == "break":
+            mode[name] = ("breaking", sign, "")
+            y[place] = self.yielding(name, t, y, sign)
+        elif kind == "leave":
+            y[place] = 0.0
+            mode[name] = ("slip", sign, "up")
+            mode["guess"][name] = 0.0
+        elif kind == "calm":
+            y[place] = self.yielding(name, t, y, sign)
+            mode[name] = ("stuck", 0, "")
+        elif kind == "turn":
+            self.branch(name, mode[name][1], t, y, mode, sign)
+        elif kind == "release":
+            mode[name] = ("slip", mode[name][1], "up" if sign > 0 else "down")
+            mode["guess"][name] = 0.0 if sign > 0 else -0.0
+
     def margin(self, t, y, mode):
         """Smallest 1 + (dT/da)/J of the disc's loop."""
         kind, sign, regime = mode["disc"]
@@ -463,7 +538,7 @@ def integrate(rig, t, y, end, mode):
     """State at `end` by DOP853 in one mode."""
     if end <= t:
         return y.copy()
-    solver = DOP853(lambda t, y: rig.rhs(t, y, mode), t, y, end, rtol=RTOL, atol=ATOL, max_step=LONGEST)
+    solver = DOP853(lambda t, y: rig.rhs(t, y, mode), t, y, end, rtol=RTOL, atol=ATOL, max_step=rig.longest_step(mode))
     while solver.status == "running":
         solver.step()
     assert solver.status == "finished"
@@ -544,7 +619,7 @@ def run(case):
     states, switches, folds = [], [], 0
     for end in case["times"]:
         while t < end:
-            solver = DOP853(lambda t, y: rig.rhs(t, y, mode), t, y, end, rtol=RTOL, atol=ATOL, max_step=LONGEST)
+            solver = DOP853(lambda t, y: rig.rhs(t, y, mode), t, y, end, rtol=RTOL, atol=ATOL, max_step=rig.longest_step(mode))
             guards = rig.guards(mode)
             lost = None
             while solver.status == "running":
@@ -594,8 +669,8 @@ def cases():
         base = {"voltage": [u55], "normal_force": [50.0], "normal_force_1": [0.0], "initial": still, "times": [1.0, 2.0, 3.0]}
         return dict(base, name=name, model=model, **other)
 
-    def two(name, law, **other):
-        return case(name, REDUCED + LAWS[law], **other)
+    def two(name, law, model=None, **other):
+        return case(name, model or REDUCED + LAWS[law], **other)
 
     turning = [0.4, 3.0, -0.9, 5.0, 0.7, 0.0, 0.0, 0.0]
     for law in LAWS:
@@ -606,13 +681,28 @@ def cases():
     yield two("two-gaussian-mu fast", "two-gaussian-mu", normal_force=[10.0], initial=[0, 9.0, 0.5, 4.0, 0.5, 0, 0, 0])
     for effect, values in EFFECTS.items():
         # 50 N is the force at which a load exponent changes nothing.
-        yield case("effect " + effect, f"{REDUCED}{STRIBECK}[{effect}]\n{values}\n", normal_force=[35.0])
+        initial = [0.0] * 10 if effect == "presliding" else still
+        yield case("effect " + effect, f"{REDUCED}{STRIBECK}[{effect}]\n{values}\n", normal_force=[35.0], initial=initial)
     both = f"{REDUCED}{STRIBECK}{OUTER}{STRIBECK}"
     yield case("full rig", both, normal_force_1=[20.0], normal_force=[30.0])
     yield case("full rig, both stick", both, normal_force_1=[40.0], normal_force=[20.0], voltage=[2.0])
     yield case("full rig, mixed laws", f"{REDUCED}{LAWS['two-gaussian-mu']}{OUTER}{LAWS['wojewoda']}", normal_force_1=[10.0], normal_force=[20.0])
     yield case("pin lifts and touches", REDUCED + STRIBECK, normal_force=[20.0, -30.0, 10.0], times=[1.0, 2.0, 3.0])
     yield case("voltage reverses", REDUCED + STRIBECK, voltage=[3.0, -2.0], normal_force=[10.0], times=[1.0, 2.0, 3.0])
+    undamped = "[presliding]\nstiffness = 12.0\ndamping = 0.0\n"
+    damped = "[presliding]\nstiffness = 20.0\ndamping = 0.3\n"
+    moving = turning + [0.0, 0.0]
+    for law in ("coulomb", "coulomb-stiction", "wojewoda", "two-gaussian-mu"):
+        yield two(f"presliding {law}", law, model=REDUCED + LAWS[law] + undamped, initial=moving, normal_force=[20.0])
+    yield case("presliding, full rig", both + damped, normal_force_1=[20.0], normal_force=[30.0], initial=[0.0] * 10)
+    bearing = "[bearing_friction]\ntorque = 0.05\n[normal_force_wobble]\namplitude = 0.2\nphase = 0.7\n"
+    yield case("presliding with bearing friction and wobble", REDUCED + STRIBECK + bearing + damped, initial=[0.0] * 10, voltage=[1.5])
+    # The disc springs back while the breakaway torque falls below that of the bristles.
+    sprung = [0.02, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.02, 0.0]
+    for name, bristles in (("undamped", undamped), ("damped", undamped.replace("damping = 0.0", "damping = 0.01"))):
+        force = [25.0, -60.0, 48.0]
+        yield case(f"presliding under a falling force, {name}", REDUCED + STRIBECK + bristles, initial=sprung, voltage=[0.0], normal_force=force, times=[0.05, 0.4, 1.0])
+    yield case("presliding, pin lifts and touches", REDUCED + STRIBECK + damped, initial=sprung, voltage=[0.0], normal_force=[20.0, -100.0, 100.0], times=[0.2, 0.5, 1.5])
     yield case("motor sticks", REDUCED + STRIBECK, voltage=[0.25, 0.4, -0.45], normal_force=[2.0], times=[1.0, 2.0, 3.0], initial=[0.5, 0, 0, 0, 0, 0, 0, 0])
 
 

@@ -151,6 +151,13 @@ pub fn effect(section: &str) -> Option<Equations> {
             "Friction not proportional to the normal force",
             &["N = 50 N ( N_2 / 50 N ) ^p"],
         ),
+        "presliding" => (
+            "Sticking pin that gives way like a bristle",
+            &[
+                "stuck: T_f = σ_0 z + σ_1 z' , z' = θ_2' , | T_f | ≤ r N_2 μ_s",
+                "sticks from sliding: z = T_f / σ_0",
+            ],
+        ),
         "stochastic_friction" => (
             "Friction that fluctuates in time",
             &["T = T_f ( 1 + s ξ ( t ) )"],

@@ -124,6 +124,20 @@ pub(super) fn rig_table(rig: &Rig<f64>) -> Result<part::Rows<Signal>, TableError
             torque,
         );
     }
+    if rig.effects.presliding.is_some() {
+        rows.bristle(
+            index::BRISTLE,
+            "presliding_deflection",
+            "Deflection of the bristles between disc D2 and its pin, zero while the disc slides; from zero, a disc that moves slides",
+        );
+        if full {
+            rows.bristle(
+                index::BRISTLE1,
+                "presliding_deflection1",
+                "Deflection of the bristles between disc D1 and its pin, zero while the disc slides; from zero, a disc that moves slides",
+            );
+        }
+    }
     for (position, parameter) in rig.parameters().iter().enumerate() {
         let start = rig.parameter_at(position);
         rows.add(
@@ -183,6 +197,16 @@ impl Rows {
             ..row(name, Causality::Output, "N.m", description)
         };
         self.add(Quantity::Signal(Signal::Friction(friction)), variable);
+    }
+
+    fn bristle(&mut self, position: usize, name: &str, description: &str) {
+        let variable = Variable {
+            initial: Some(Initial::Exact),
+            start: Some(0.0),
+            display_unit: Some("deg"),
+            ..row(name, Causality::Local, "rad", description)
+        };
+        self.add(Quantity::Signal(Signal::State(position)), variable);
     }
 
     fn flag(&mut self, signal: Signal, name: &str, description: &str) {
