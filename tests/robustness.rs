@@ -4,7 +4,7 @@
 mod common;
 
 use common::energy::EnergyBalance;
-use common::grazing::{GRAZING_LAWS, TOUCH, TOWARDS_REST, around_grazing};
+use common::grazing::{TOUCH, around_grazing, pressed, towards_rest};
 use common::{LAWS, Uniform};
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES, index::*};
@@ -306,23 +306,26 @@ fn what_cannot_go_on_says_why() {
 
 #[test]
 fn a_disc_that_just_touches_rest() {
-    let mut state = [0.0; STATES];
-    state[..5].copy_from_slice(&TOWARDS_REST);
-    for law in GRAZING_LAWS.map(common::law) {
-        let rig = common::rig(false, law, "");
-        let (free, rests) = around_grazing(&rig, state);
-        let mut counted = Vec::new();
-        for force in [free, rests, rests * (1.0 + 1e-3)] {
-            let inputs = RigInputs::held(rig.voltage_for_speed(5.76), force, 0.0);
-            let mut run = common::start(&rig, 1e-12, state, inputs).unwrap();
-            let mut balance = EnergyBalance::new(&run);
-            balance.advance(&mut run, TOUCH);
-            let error = balance.error(&run);
-            println!("{:20} {force} N: energy balance {error:.1e}", law.0);
-            assert!(error < ENERGY, "{}: {error:e} is missing", law.0);
-            counted.push(run.statistics().grazing > 0);
+    for law in LAWS {
+        for full in [false, true] {
+            let (free, rests) = around_grazing(full, law);
+            let mut counted = Vec::new();
+            for force in [free, rests, rests * (1.0 + 1e-3)] {
+                let (rig, inputs) = pressed(full, law, force);
+                let mut run = common::start(&rig, 1e-12, towards_rest(full), inputs).unwrap();
+                let mut balance = EnergyBalance::new(&run);
+                balance.advance(&mut run, TOUCH);
+                let error = balance.error(&run);
+                println!(
+                    "{:20} full rig {full}, {force} N: energy balance {error:.1e}",
+                    law.0
+                );
+                assert!(error < ENERGY, "{}: {error:e} is missing", law.0);
+                counted.push(run.statistics().grazing > 0);
+            }
+            let name = format!("{}, full rig {full}, {rests} N", law.0);
+            assert_eq!(counted, [false, true, false], "{name}");
         }
-        assert_eq!(counted, [false, true, false], "{}, {rests} N", law.0);
     }
 }
 
