@@ -7,8 +7,10 @@
 
 use libm::exp;
 
-/// Speed above which a bristle no longer damps [rad/s].
+/// Speed above which a stiff bristle no longer damps [rad/s].
 const DAMPED_SPEED: f64 = 0.02;
+/// The same of one that is soft enough to be seen: faster than it ever rings [rad/s].
+const SOFT_DAMPED_SPEED: f64 = 5.0;
 /// Share of critical damping of a stuck bristle [-].
 const DAMPING_RATIO: f64 = 0.7;
 
@@ -21,6 +23,7 @@ const ELASTIC_SHARE: f64 = 0.998;
 pub struct Bristle {
     deflection: f64,
     breakaway_deflection: f64,
+    damped_speed: f64,
 }
 
 impl Bristle {
@@ -29,7 +32,14 @@ impl Bristle {
         Self {
             deflection: 0.0,
             breakaway_deflection,
+            damped_speed: DAMPED_SPEED,
         }
+    }
+
+    /// The same bristle, so soft that it breaks away at `breakaway_deflection` [rad] > 0 now.
+    pub fn soften(&mut self, breakaway_deflection: f64) {
+        self.breakaway_deflection = breakaway_deflection;
+        self.damped_speed = SOFT_DAMPED_SPEED;
     }
 
     /// Advances by `step` [s] at `velocity` [rad/s] and returns the torque opposing a positive
@@ -60,7 +70,7 @@ impl Bristle {
         };
         let stiffness = breakaway / self.breakaway_deflection;
         let elastic = stiffness * self.deflection;
-        let speed_ratio = velocity / DAMPED_SPEED;
+        let speed_ratio = velocity / self.damped_speed;
         if speed_ratio.abs() > 5.0 {
             return elastic;
         }

@@ -43,6 +43,8 @@ pub struct Effects {
     pub motor_visc: f64,
     /// Lag of the disc's channels [s].
     pub delay: f64,
+    /// Stiffness of the pin's bristles [N m/rad]; infinite = too stiff to be seen.
+    pub bristle_k: f64,
     /// Standard deviation of the random friction factor [-].
     pub stoch_std: f64,
     /// Correlation time of the random friction factor [s].
@@ -101,6 +103,7 @@ impl Default for Effects {
             load_exp: 1.0,
             motor_visc: 0.0,
             delay: 0.0,
+            bristle_k: f64::INFINITY,
             stoch_std: 0.0,
             stoch_tau: 0.1,
             periodic_T: 0.0,

@@ -101,13 +101,13 @@ impl Group {
     /// Number of cases if not said otherwise.
     pub fn default_cases(self) -> usize {
         match self {
-            Self::Full | Self::Small => 44,
-            Self::Rough => 36,
+            Self::Full | Self::Small => 46,
+            Self::Rough => 38,
             Self::Clean => 160,
             Self::Pairs => 40,
             Self::Outside => 24,
-            Self::Sizes => 88,
-            Self::Noise => 22,
+            Self::Sizes => 92,
+            Self::Noise => 23,
         }
     }
 

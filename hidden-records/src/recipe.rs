@@ -30,6 +30,7 @@ pub enum Effect {
     LoadExponent,
     MotorViscous,
     NormalForceWobble,
+    Presliding,
     QuadraticDrag,
     ResistanceDrift,
     SensorDelay,
@@ -48,7 +49,7 @@ pub enum Effect {
     TorqueSaturation,
 }
 
-/// Effects that can stand in a pair.
+/// Effects of the practice records; any two can stand in a pair.
 pub const CATALOGUE: [Effect; 18] = [
     Effect::AccelerationHysteresis,
     Effect::Backlash,
@@ -154,6 +155,7 @@ impl Effect {
             Self::LoadExponent => "load_exponent",
             Self::MotorViscous => "motor_viscous",
             Self::NormalForceWobble => "normal_force_wobble",
+            Self::Presliding => "presliding",
             Self::QuadraticDrag => "quadratic_drag",
             Self::ResistanceDrift => "resistance_drift",
             Self::SensorDelay => "sensor_delay",
@@ -235,6 +237,7 @@ impl Effect {
                 hidden.wobble_a = 0.25 * scale;
                 hidden.wobble_ph = stream.uniform(0.0, TAU);
             }
+            Self::Presliding => hidden.bristle_k = 60.0 / scale,
             Self::QuadraticDrag => hidden.quad = 0.0012 * scale,
             Self::ResistanceDrift => hidden.dRdt = 0.6 * scale,
             Self::SensorDelay => hidden.delay = 0.03 * scale,
@@ -293,7 +296,7 @@ impl Kind {
         Self::new(name, &[], brake, "stribeck")
     }
 
-    /// Every kind of the practice records that hides one effect.
+    /// Every kind of the practice records that hides one effect, and presliding.
     pub fn singles() -> Vec<Self> {
         let mut kinds: Vec<Self> = CATALOGUE
             .iter()
@@ -332,6 +335,7 @@ impl Kind {
                 Brake::On,
                 "coulomb_stiction",
             ),
+            ("presliding", Effect::Presliding, Brake::On, "stribeck"),
         ] {
             kinds.push(Self::new(name, &[effect], brake, base));
         }
@@ -445,7 +449,7 @@ mod tests {
 
     #[test]
     fn kinds_cover_the_practice_records_and_more() {
-        assert_eq!(Kind::singles().len(), 22);
+        assert_eq!(Kind::singles().len(), 23);
         assert_eq!(Kind::outsiders().len(), 6);
         // 18·17/2 pairs less three of two laws and one equivalent.
         assert_eq!(Kind::pairs().len(), 149);

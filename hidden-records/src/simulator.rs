@@ -280,10 +280,14 @@ impl<'rig> Simulator<'rig> {
         let law = &self.rig.law;
         let along = if speed < 0.0 { -1.0 } else { 1.0 };
         let level = law.coefficient(speed.abs(), along * self.lagged_acceleration);
+        let breakaway = torque_per_mu * law.breakaway();
+        if hidden.bristle_k.is_finite() && breakaway > 0.0 {
+            self.pin.soften(breakaway / hidden.bristle_k);
+        }
         self.pin.advance(
             STEP,
             speed,
-            torque_per_mu * law.breakaway(),
+            breakaway,
             torque_per_mu * level,
             inertia,
         )

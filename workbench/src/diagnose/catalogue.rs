@@ -43,6 +43,8 @@ enum Form {
     },
     /// Stiffness and relaxation time of the shaft's internal friction.
     Relaxation,
+    /// Stiffness and damping of the bristles of a sticking pin.
+    Bristles,
     /// Breakaway above sliding.
     Stiction,
     /// Sliding friction that falls with speed.
@@ -323,6 +325,17 @@ pub const CATALOGUE: &[Entry] = &[
             near: 0.002,
             far: &[],
         },
+    },
+    Entry {
+        name: "presliding",
+        description: "a sticking contact that gives way like a spring",
+        signature: "a disc that sticks moves a little with the shaft's torque and rings after it has come to rest",
+        confusable: &["backlash"],
+        symbols: &[
+            ("presliding.stiffness", "stiffness"),
+            ("presliding.damping", "damping"),
+        ],
+        form: Form::Bristles,
     },
     Entry {
         name: "stiction",

@@ -1,5 +1,6 @@
 //! One window under one hypothesis: residuals and their derivatives, condensed to a Gram matrix.
 
+use super::bristle_start::deflect_bristles;
 use super::hypothesis::Hypothesis;
 use super::run::{CHANNELS, Run};
 use super::window::{PIECE, START_COMPONENTS, Window};
@@ -12,9 +13,9 @@ use stickslip::series::{Dual, Scalar, evaluate};
 /// Slots before the free numbers: start components and two disturbance torques.
 pub const FIRST_FREE: usize = START_COMPONENTS.len() + 2;
 /// Derivative slots for hypotheses of ordinary size.
-pub const FEW_SLOTS: usize = 20;
+pub const FEW_SLOTS: usize = 21;
 /// Derivative slots for the largest hypotheses.
-pub const MANY_SLOTS: usize = 28;
+pub const MANY_SLOTS: usize = 29;
 /// Most free numbers that a hypothesis may have.
 pub const MOST_FREE: usize = MANY_SLOTS - FIRST_FREE;
 /// Most columns of a Gram matrix.
@@ -117,6 +118,7 @@ pub fn window_gram<const N: usize>(
     };
     let mut state: RigState<Dual<N>> = start.map(Dual::constant);
     seed(&mut state);
+    deflect_bristles(rig, &mut state);
     let mut simulation = Simulation::new(
         *rig,
         options,

@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use stickslip::plant::{Rig, RigState, index};
 
+use super::bristle_start::deflect_bristles;
 use super::data::{Data, grams, reduced};
 use super::gram::Gram;
 use super::hypothesis::Hypothesis;
@@ -22,7 +23,7 @@ const GOOD: f64 = 0.01;
 /// Where windows start under a model, and what the right model would leave.
 #[derive(Debug, Clone)]
 pub struct Starts {
-    /// State at each window's first sample.
+    /// State at each window's first sample, as fits have it; [`Self::to_set`] is for components.
     pub states: Vec<RigState<f64>>,
     /// Derivatives of each window there; `None` where the model cannot run.
     pub grams: Vec<Option<Gram>>,
@@ -106,6 +107,16 @@ fn misfit(gram: &Option<Gram>, state: &RigState<f64>, data: &Data, at: usize) ->
 }
 
 impl Starts {
+    /// The states to set in a component of `rig`.
+    #[must_use]
+    pub fn to_set(&self, rig: &Rig<f64>) -> Vec<RigState<f64>> {
+        let mut states = self.states.clone();
+        for state in &mut states {
+            deflect_bristles(rig, state);
+        }
+        states
+    }
+
     /// Sum of squares that each window would show, on average, if the model were right and only the sensors and random
     /// friction of `disturbance` differed.
     #[must_use]
@@ -188,8 +199,13 @@ impl Ports {
         ] {
             states.push((at(name)?, state));
         }
-        if let Ok(relaxing) = at("shaft_hysteresis_torque") {
-            states.push((relaxing, index::RELAXING_TORQUE));
+        for (name, state) in [
+            ("shaft_hysteresis_torque", index::RELAXING_TORQUE),
+            ("presliding_deflection", index::BRISTLE),
+        ] {
+            if let Ok(place) = at(name) {
+                states.push((place, state));
+            }
         }
         Ok(Self {
             inputs: [at("u")?, at("N2")?],

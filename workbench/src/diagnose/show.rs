@@ -94,12 +94,13 @@ pub fn compare(
     });
     let starts_before = best_starts(&data, &case.model.rig);
     let starts_after = best_starts(&data, &amended.rig);
+    let set_before = starts_before.to_set(&case.model.rig);
+    let set_after = starts_after.to_set(&amended.rig);
     let mut native_before = Native::from_text(&case.model_text, "the analyst's model")?;
     let mut native_after = Native::from_text(amended_text, "the amended model")?;
     let delays = [delay(&case.model.rig), delay(&amended.rig)];
-    let windows_before =
-        window_courses(&mut native_before, &data, &starts_before.states, delays[0])?;
-    let windows_after = window_courses(&mut native_after, &data, &starts_after.states, delays[1])?;
+    let windows_before = window_courses(&mut native_before, &data, &set_before, delays[0])?;
+    let windows_after = window_courses(&mut native_after, &data, &set_after, delays[1])?;
     let both: Vec<bool> = windows_before
         .iter()
         .zip(&windows_after)
@@ -124,8 +125,8 @@ pub fn compare(
     let mut through = Vec::new();
     let mut after_through_fmu = None;
     for (text, starts, delay) in [
-        (case.model_text.as_str(), &starts_before, delays[0]),
-        (amended_text, &starts_after, delays[1]),
+        (case.model_text.as_str(), &set_before, delays[0]),
+        (amended_text, &set_after, delays[1]),
     ] {
         for version in [FmiVersion::Fmi3, FmiVersion::Fmi2] {
             let mut fmu = built(
@@ -134,12 +135,7 @@ pub fn compare(
                 version,
                 &work.join(format!("{}", through.len())),
             )?;
-            through.push(error(&window_courses(
-                fmu.as_mut(),
-                &data,
-                &starts.states,
-                delay,
-            )?));
+            through.push(error(&window_courses(fmu.as_mut(), &data, starts, delay)?));
             if through.len() == 3 {
                 after_through_fmu = Some(free(fmu.as_mut(), run, &begin));
             }

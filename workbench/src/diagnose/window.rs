@@ -11,18 +11,23 @@ pub const SHORT: f64 = 0.15;
 pub const PIECE: f64 = 0.05;
 /// Acceleration from which on it is clear whether the disc speeds up or slows down [rad/s²].
 const CLEAR_ACCELERATION: f64 = 4.0;
-/// State components that a window may start from: all of the reduced rig and the relaxing torque.
-pub const START_COMPONENTS: [usize; 6] = [
+/// State components that a window may start from: all of the reduced rig, the relaxing torque and the bristles, for which
+/// see [`super::bristle_start`].
+pub const START_COMPONENTS: [usize; 7] = [
     index::THETA,
     index::OMEGA,
     index::THETA3,
     index::OMEGA3,
     index::CURRENT,
     index::RELAXING_TORQUE,
+    index::BRISTLE,
 ];
 
 /// Standard deviation of the velocity of a disc that sticks: it does not move at all [rad/s].
 const AT_REST: f64 = 1e-6;
+
+/// Standard deviation of the deflection of a sticking disc's bristles about that at which it rests [rad].
+const BRISTLE: f64 = 0.003;
 
 /// A window of one record.
 #[derive(Clone, Debug)]
@@ -39,7 +44,7 @@ pub struct Window {
     /// with branches the window starts.
     pub acceleration: f64,
     /// Standard deviations with which the anchor is known, in the order of [`START_COMPONENTS`].
-    pub deviations: [f64; 6],
+    pub deviations: [f64; START_COMPONENTS.len()],
 }
 
 impl Window {
@@ -173,7 +178,7 @@ impl Cut {
                 last,
                 anchor,
                 acceleration: 0.0,
-                deviations: [tiny; 6],
+                deviations: [tiny; START_COMPONENTS.len()],
             };
         }
         let stuck = motion(run, first) == Motion::Stuck;
@@ -192,7 +197,7 @@ impl Cut {
             last,
             anchor,
             acceleration,
-            deviations: [0.5, disc_velocity, 0.1, 0.3, 2.0, 0.05],
+            deviations: [0.5, disc_velocity, 0.1, 0.3, 2.0, 0.05, BRISTLE],
         }
     }
 }

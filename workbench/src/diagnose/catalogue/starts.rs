@@ -10,6 +10,12 @@ use crate::diagnose::law_starts;
 const LEAST_SIZE: f64 = 0.03;
 /// Smallest departure from one worth naming of a factor or an exponent.
 const LEAST_DEPARTURE: f64 = 0.005;
+/// Stiffness of bristles that give way as much as is a full effect [N m/rad].
+const FULL_BRISTLES: f64 = 30.0;
+/// Unit of the stiffness of bristles [N m/rad].
+const BRISTLES: f64 = 300.0;
+/// Starts for the bristles' stiffness [N m/rad] and damping [N m s/rad], about a third of what is critical.
+const BRISTLE_STARTS: [(f64, f64); 4] = [(1000.0, 2.5), (300.0, 1.4), (100.0, 0.8), (30.0, 0.45)];
 /// Stiffness of a full internal friction of the shaft [N m/rad].
 const RELAXING_STIFFNESS: f64 = 0.05;
 
@@ -56,6 +62,7 @@ impl Entry {
             Form::Relaxation => {
                 value("shaft_hysteresis.stiffness") / RELAXING_STIFFNESS / LEAST_SIZE
             }
+            Form::Bristles => FULL_BRISTLES / value("presliding.stiffness") / LEAST_SIZE,
             Form::Stiction | Form::Stribeck | Form::Hysteresis => f64::INFINITY,
         }
     }
@@ -64,7 +71,7 @@ impl Entry {
     pub fn is_nonlinear(&self) -> bool {
         match self.form {
             Form::One { far, .. } => !far.is_empty(),
-            Form::Hysteresis | Form::Stribeck | Form::Stiction => true,
+            Form::Bristles | Form::Hysteresis | Form::Stribeck | Form::Stiction => true,
             Form::Polar { .. } | Form::Relaxation => false,
         }
     }
@@ -141,30 +148,29 @@ impl Entry {
             Form::Relaxation => [(0.01, 0.1), (0.01, 0.5)]
                 .iter()
                 .map(|&(stiffness, time)| {
-                    let mut h = base.clone();
-                    let section = "shaft_hysteresis";
-                    switch_on(
-                        &mut h,
-                        section,
+                    with_values(
+                        base,
+                        "shaft_hysteresis",
                         &[
-                            ("stiffness", RELAXING_STIFFNESS * stiffness),
-                            ("relaxation_time", time),
+                            ("stiffness", RELAXING_STIFFNESS, 0.0, 1.0, stiffness),
+                            ("relaxation_time", 1.0, 0.01, 3.0, time),
                         ],
-                    );
-                    for (key, scale, low, high, start) in [
-                        ("stiffness", RELAXING_STIFFNESS, 0.0, 1.0, stiffness),
-                        ("relaxation_time", 1.0, 0.01, 3.0, time),
-                    ] {
-                        let name = format!("{section}.{key}");
-                        h.free.push(Free::Value {
-                            name,
-                            scale,
-                            low,
-                            high,
-                        });
-                        h.x.push(start);
-                    }
-                    h
+                    )
+                })
+                .collect(),
+            Form::Bristles if base.rig.law.band().0 > 0.0 => Vec::new(),
+            Form::Bristles => BRISTLE_STARTS
+                .iter()
+                .map(|&(stiffness, damping)| {
+                    let stiffness = stiffness / BRISTLES;
+                    with_values(
+                        base,
+                        "presliding",
+                        &[
+                            ("stiffness", BRISTLES, 3.0, 6000.0, stiffness),
+                            ("damping", 1.0, 0.0, 50.0, damping),
+                        ],
+                    )
                 })
                 .collect(),
             Form::Stiction => law_starts::stiction(base),
@@ -176,6 +182,30 @@ impl Entry {
         }
         hypotheses
     }
+}
+
+/// `base` with this section switched on and its numbers free: key, scale, smallest and largest value, start over scale.
+fn with_values(
+    base: &Hypothesis,
+    section: &str,
+    numbers: &[(&str, f64, f64, f64, f64)],
+) -> Hypothesis {
+    let mut h = base.clone();
+    let values: Vec<(&str, f64)> = numbers
+        .iter()
+        .map(|&(key, scale, _, _, start)| (key, scale * start))
+        .collect();
+    switch_on(&mut h, section, &values);
+    for &(key, scale, low, high, start) in numbers {
+        h.free.push(Free::Value {
+            name: format!("{section}.{key}"),
+            scale,
+            low,
+            high,
+        });
+        h.x.push(start);
+    }
+    h
 }
 
 fn switch_on(hypothesis: &mut Hypothesis, section: &str, values: &[(&str, f64)]) {
