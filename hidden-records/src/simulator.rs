@@ -284,13 +284,8 @@ impl<'rig> Simulator<'rig> {
         if hidden.bristle_k.is_finite() && breakaway > 0.0 {
             self.pin.soften(breakaway / hidden.bristle_k);
         }
-        self.pin.advance(
-            STEP,
-            speed,
-            breakaway,
-            torque_per_mu * level,
-            inertia,
-        )
+        self.pin
+            .advance(STEP, speed, breakaway, torque_per_mu * level, inertia)
     }
 
     /// Ornstein–Uhlenbeck factor, exact between its draws.
