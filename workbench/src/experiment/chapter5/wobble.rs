@@ -9,8 +9,8 @@ use crate::experiment::virtual_rig::{
 use crate::experiment::{ExperimentError, Findings, Row, Table, Verdict};
 use crate::plot::{Axis, Chart, Figure, Marker, Style};
 
-/// Relative variation of the normal force of the virtual rig, where it stands in for the lost records.
-pub const WOBBLE: f64 = 0.2;
+/// Relative variation of the normal force at which the motor's constants are varied.
+const WOBBLE: f64 = 0.2;
 /// Variations tried.
 const AMPLITUDES: [f64; 9] = [0.0, 0.1, 0.13, 0.16, 0.2, 0.3, 0.4, 0.5, 0.7];
 /// Peaks of the experiments at 55 rpm: (N₂ [N], frequency [Hz]).
@@ -76,7 +76,7 @@ pub fn explanation() -> Result<Findings, ExperimentError> {
             if most == 4 {
                 Verdict::ReproducedWith("a normal force varying with the disc's angle".to_owned())
             } else {
-                Verdict::Open("a varying normal force alone does not give the whole pattern".to_owned())
+                Verdict::Open("a varying normal force alone does not give the whole pattern under this law; more of the rig varies in sec-5.1-virtual-rig".to_owned())
             },
         )
         .remark("Once per revolution is 0.75 Hz at 45 rpm, next to the natural frequency of 0.765 Hz: the variation drives the disc in resonance there, as the author suspects."),
@@ -140,7 +140,11 @@ pub fn explanation() -> Result<Findings, ExperimentError> {
                 format!("{force} N"),
                 &AMPLITUDES,
                 column,
-                Marker::Dot,
+                if index == 0 {
+                    Marker::Dot
+                } else {
+                    Marker::Ring
+                },
                 Style::series(index),
             )
             .horizontal(
@@ -153,7 +157,7 @@ pub fn explanation() -> Result<Findings, ExperimentError> {
     findings.picture(
         "sec-5.2-wobble",
         "What a varying normal force explains",
-        Figure::new("A normal force that varies with the disc's angle")
+        Figure::new("Second law with a normal force that varies with the disc's angle")
             .panel(320.0, stick_chart)
             .panel(320.0, peak_chart),
     );
