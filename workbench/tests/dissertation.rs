@@ -28,7 +28,7 @@ fn cycle(rig: &Rig<f64>, normal_force: f64) -> Cycle {
 
 #[test]
 fn shipped_numbers_meet_every_bar_of_their_targets() {
-    for equation in ["eq-6-1", "eq-6-2"] {
+    for equation in ["eq-6-1", "eq-6-2", "experiment", "experiment-full"] {
         let (rig, target) = shipped(equation);
         let values: Vec<f64> = target
             .parameter
@@ -37,7 +37,11 @@ fn shipped_numbers_meet_every_bar_of_their_targets() {
             .collect();
         let judgement = Judgement::of(&rig, &target, &values);
         assert_eq!(judgement.excess(), 0.0, "{equation}: {judgement:?}");
-        assert!(judgement.loop_margin() > 0.5, "{equation}: {judgement:?}");
+        let least = target.search.smallest_loop_margin;
+        assert!(
+            judgement.loop_margin() >= least,
+            "{equation}: {judgement:?}"
+        );
     }
 }
 
@@ -197,6 +201,60 @@ fn transitions_that_make_no_sense_are_refused() {
         .unwrap_err()
         .to_string();
     assert!(message.contains("[disc1]"), "{message}");
+}
+
+#[test]
+fn facts_that_make_no_sense_are_refused() {
+    let (rig, _) = shipped("eq-6-2");
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("targets");
+    let text = std::fs::read_to_string(directory.join("eq-6-2.toml")).unwrap();
+    for (from, to, word) in [
+        (text.as_str(), "", "is empty"),
+        ("bar = 0.005", "bar = nan", "has the bar NaN"),
+        ("bar = 0.005", "bar = 0.0", "has the bar 0"),
+        ("value = 0.756", "value = -0.756", "must be above 0"),
+        ("{ value = 0.756, bar = 0.005 }", "0.756", "a table such as"),
+        ("normal_force = 50.0", "normal_force = -50.0", "cannot pull"),
+        ("speed_rpm = 55.0", "speed_rpm = inf", "speed_rpm is inf"),
+        ("contact.b1", "contact.a1", "is sought twice"),
+        ("contact.b1", "contact.b9", "it has contact.radius"),
+        (
+            "contact.b1",
+            "unbalance.torque",
+            "with a section [unbalance]",
+        ),
+        ("population = 40", "population = 4", "population is 4"),
+        (
+            "smallest_loop_margin = 0.5",
+            "smallest_loop_margin = 1.5",
+            "smallest_loop_margin is 1.5",
+        ),
+    ] {
+        let message = Target::parse(&text.replacen(from, to, 1), "t.toml", &rig)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.contains("t.toml") && message.contains(word),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn a_document_of_another_kind_is_not_overwritten() {
+    let place = tempfile::tempdir().unwrap();
+    let document = place.path().join("notes.md");
+    std::fs::write(&document, "# Notes\n").unwrap();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .args(["experiment", "run", "table-4.1", "--out"])
+        .arg(place.path())
+        .arg("--document")
+        .arg(&document)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("would be lost"));
+    assert_eq!(std::fs::read_to_string(&document).unwrap(), "# Notes\n");
 }
 
 #[test]

@@ -5,6 +5,7 @@
 //! looks for the *set* of parameter values that meet all of them, a local one ([`simplex`]) for the best. What comes out is
 //! the ensemble, not a point with false precision. A [`journal`] lets an interrupted search go on.
 
+mod check;
 pub mod command;
 pub mod cost;
 pub mod cycle;

@@ -7,6 +7,7 @@ use stickslip::parameter::ParameterError;
 use stickslip::plant::Rig;
 use thiserror::Error;
 
+use super::check::check;
 use super::cycle::{Disc, Operating};
 use super::transition::Transition;
 
@@ -40,18 +41,25 @@ pub enum TargetError {
         message: String,
     },
     /// A parameter that the model does not have or does not allow.
-    #[error("{file}: {source}")]
+    #[error("{file}: [[parameter]] {name}: {source}{hint}")]
     Parameter {
         /// The file.
         file: String,
+        /// The parameter's name, as the file gives it.
+        name: String,
         /// What is wrong.
         source: ParameterError,
+        /// What would be right, beginning with its own punctuation; empty where the source says it.
+        hint: String,
     },
 }
 
 /// A number to be met within a relative bar.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table such as { value = 0.756, bar = 0.005 }"
+)]
 pub struct Goal {
     /// Value.
     pub value: f64,
@@ -181,77 +189,17 @@ impl Target {
     /// # Errors
     /// As for [`Target::read`].
     pub fn parse(text: &str, file: &str, rig: &Rig<f64>) -> Result<Self, TargetError> {
+        if text.trim().is_empty() {
+            return Err(TargetError::Syntax {
+                file: file.to_owned(),
+                message: "is empty; [search], [[parameter]] and [[point]] are needed".to_owned(),
+            });
+        }
         let target: Self = toml::from_str(text).map_err(|error| TargetError::Syntax {
             file: file.to_owned(),
             message: error.to_string().trim_end().to_owned(),
         })?;
-        let refuse = |place: String, message: &str| {
-            Err(TargetError::Value {
-                file: file.to_owned(),
-                place,
-                message: message.to_owned(),
-            })
-        };
-        if target.parameter.is_empty() || target.point.is_empty() {
-            return refuse(
-                "[[parameter]], [[point]]".to_owned(),
-                "at least one of each is needed",
-            );
-        }
-        if target.search.population < 5 || target.search.starts == 0 {
-            return refuse(
-                "[search]".to_owned(),
-                "population must be at least 5 and starts at least 1",
-            );
-        }
-        for transition in &target.transition {
-            if let Err(message) = transition.check() {
-                return refuse(transition.label(), message);
-            }
-        }
-        for sought in &target.parameter {
-            if sought.minimum.is_nan() || sought.minimum >= sought.maximum {
-                return refuse(sought.name.clone(), "minimum must be below maximum");
-            }
-            let mut trial = *rig;
-            for bound in [sought.minimum, sought.maximum] {
-                trial.set_parameter(&sought.name, bound).map_err(|source| {
-                    TargetError::Parameter {
-                        file: file.to_owned(),
-                        source,
-                    }
-                })?;
-            }
-        }
-        for point in &target.point {
-            let goals = [
-                point.frequency_hz,
-                point.half_amplitude,
-                point.minimum_velocity,
-                point.maximum_velocity,
-            ];
-            let place = format!("point at {}", point.label());
-            let outer = point.disc == Disc::D1 || point.normal_force_1 != 0.0;
-            if outer && rig.outer.is_none() {
-                return refuse(
-                    place,
-                    "disc D1 and normal_force_1 need a model with [disc1], [shaft1] and [contact1]",
-                );
-            }
-            if goals
-                .iter()
-                .flatten()
-                .any(|goal| goal.value == 0.0 || goal.bar <= 0.0 || goal.weight < 0.0)
-            {
-                return refuse(
-                    place,
-                    "a goal needs a value other than 0, a bar above 0 and a weight of at least 0",
-                );
-            }
-            if goals.iter().all(Option::is_none) && point.sticking.is_none() {
-                return refuse(place, "nothing is stated about it");
-            }
-        }
+        check(&target, file, rig)?;
         Ok(target)
     }
 }

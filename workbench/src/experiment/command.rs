@@ -8,7 +8,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::document::with_block;
+use super::document::{is_generated, with_block};
 use super::{Experiment, Findings, Verdict, all};
 use crate::cli::Outcome;
 use crate::files::atomic::write_file;
@@ -80,6 +80,7 @@ pub fn run(arguments: &ExperimentArguments) -> anyhow::Result<Outcome> {
 }
 
 fn run_all(chosen: &[Experiment], places: &Places) -> anyhow::Result<Outcome> {
+    read_document(&places.document)?;
     let bar = ProgressBar::new(chosen.len() as u64);
     if let Ok(style) = ProgressStyle::with_template("{elapsed} {bar:30} {pos}/{len} {msg}") {
         bar.set_style(style);
@@ -162,15 +163,21 @@ fn store(experiment: &Experiment, findings: &Findings, places: &Places) -> anyho
     }
     let rows = serde_json::to_string_pretty(&findings.rows)?;
     write_file(&directory.join("rows.json"), rows.as_bytes())?;
-    let text = match std::fs::read_to_string(&places.document) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-        Err(error) => {
-            return Err(error)
-                .with_context(|| format!("cannot read {}", places.document.display()));
-        }
-    };
+    let text = read_document(&places.document)?;
     let text = with_block(&text, &all(), experiment, findings);
     write_file(&places.document, text.as_bytes())?;
     Ok(())
+}
+
+/// The document as it stands; empty where there is none yet.
+fn read_document(path: &Path) -> anyhow::Result<String> {
+    match std::fs::read_to_string(path) {
+        Ok(text) if text.is_empty() || is_generated(&text) => Ok(text),
+        Ok(_) => anyhow::bail!(
+            "{} is not a document of these experiments and would be lost; name another file with --document",
+            path.display()
+        ),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(String::new()),
+        Err(error) => Err(error).with_context(|| format!("cannot read {}", path.display())),
+    }
 }

@@ -105,7 +105,10 @@ fn print_static(file: &Path) -> anyhow::Result<()> {
 fn read_static(file: &Path) -> anyhow::Result<(Vec<f64>, Vec<f64>)> {
     let name = file.display();
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {name}"))?;
-    let mut lines = text.lines();
+    if text.trim().is_empty() {
+        bail!("{name}: is empty; a static test has the columns torque [N m] and twist [rad]");
+    }
+    let mut lines = text.trim_start_matches('\u{feff}').lines();
     let header: Vec<&str> = lines
         .next()
         .unwrap_or("")
@@ -114,7 +117,10 @@ fn read_static(file: &Path) -> anyhow::Result<(Vec<f64>, Vec<f64>)> {
         .collect();
     let place = |wanted: &str| {
         header.iter().position(|column| *column == wanted).with_context(|| {
-            format!("{name}: line 1: no column `{wanted}`; a static test has the columns torque [N m] and twist [rad]")
+            format!(
+                "{name}: line 1: no column `{wanted}`; it has {}; a static test has the columns torque [N m] and twist [rad], separated by commas",
+                header.join(", ")
+            )
         })
     };
     let (torque_at, twist_at) = (place("torque")?, place("twist")?);
@@ -124,6 +130,14 @@ fn read_static(file: &Path) -> anyhow::Result<(Vec<f64>, Vec<f64>)> {
         .filter(|(_, line)| !line.trim().is_empty())
     {
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        if cells.len() != header.len() {
+            bail!(
+                "{name}: line {}: has {} values; the header names {} columns",
+                index + 2,
+                cells.len(),
+                header.len()
+            );
+        }
         let number = |at: usize| -> anyhow::Result<f64> {
             let cell = cells.get(at).copied().unwrap_or("");
             match cell.parse::<f64>() {
@@ -147,10 +161,13 @@ fn print_decay(
     smallest: f64,
     inertia: Option<f64>,
 ) -> anyhow::Result<()> {
-    if smallest.is_nan() || smallest <= 0.0 {
+    if !smallest.is_finite() || smallest <= 0.0 {
         bail!("--smallest is {smallest}; it must be positive, for example ten encoder steps");
     }
-    let record = Record::read(file)?;
+    if let Some(inertia) = inertia.filter(|inertia| !inertia.is_finite() || *inertia <= 0.0) {
+        bail!("--inertia is {inertia}; it must be a finite number above 0, in kg m²");
+    }
+    let record = read_even(file)?;
     let found =
         decay::evaluate(record.time(), record.require(column)?, smallest).with_context(|| {
             format!(
@@ -174,9 +191,6 @@ fn print_decay(
     println!("damping ratio          {:.5}", found.damping_ratio);
     println!("extremes used          {}", found.extremes.len());
     if let Some(inertia) = inertia {
-        if inertia.is_nan() || inertia <= 0.0 {
-            bail!("--inertia is {inertia}; it must be positive");
-        }
         println!(
             "stiffness              {:.5} N m/rad",
             found.stiffness(inertia)
@@ -190,22 +204,49 @@ fn print_decay(
 }
 
 fn print_spectrum(file: &Path, column: &str, peaks: usize, lowest: f64) -> anyhow::Result<()> {
-    let record = Record::read(file)?;
-    let step = record.median_step();
-    if let Some(gap) = record.gaps().first() {
-        bail!(
-            "{}: the sampling has a hole: {gap:?}; a spectrum needs even samples",
-            file.display()
-        );
+    if peaks == 0 {
+        bail!("--peaks is 0; it must be at least 1");
     }
+    if !lowest.is_finite() || lowest < 0.0 {
+        bail!("--lowest is {lowest}; it must be a finite number of at least 0, in Hz");
+    }
+    let record = read_even(file)?;
+    let step = record.median_step();
     let spectrum = Spectrum::new(record.require(column)?, step)
         .with_context(|| format!("{}: fewer than eight samples", file.display()))?;
+    let found = spectrum.peaks(peaks, lowest);
+    if found.is_empty() {
+        bail!(
+            "{}: column {column} has no peak between {lowest} Hz and {:.4} Hz, half the sampling rate",
+            file.display(),
+            0.5 / step
+        );
+    }
     println!(
         "frequency [Hz]  amplitude (resolution {:.5} Hz)",
         spectrum.frequency[1]
     );
-    for peak in spectrum.peaks(peaks, lowest) {
+    for peak in found {
         println!("{:>14.5}  {:.5}", peak.frequency, peak.amplitude);
     }
     Ok(())
+}
+
+/// A record whose steps differ by less than half of their median.
+fn read_even(file: &Path) -> anyhow::Result<Record> {
+    let record = Record::read(file)?;
+    let step = record.median_step();
+    let uneven = record
+        .time()
+        .windows(2)
+        .find(|pair| ((pair[1] - pair[0]) / step - 1.0).abs() > 0.5);
+    if let Some(pair) = uneven {
+        bail!(
+            "{}: the step from {} s to {} s is not the usual {step:.6} s; even samples are needed, so cut the record there or sample it again",
+            file.display(),
+            pair[0],
+            pair[1]
+        );
+    }
+    Ok(record)
 }

@@ -17,10 +17,15 @@ pub struct StaticStiffness {
     pub offset: Estimate,
 }
 
-/// Evaluates a static test; `None` with fewer than three points, unequal lengths or a twist of zero.
+/// Relative spread below which twists count as one and the same.
+const SAME: f64 = 1e-9;
+
+/// Evaluates a static test; `None` with fewer than three points, unequal lengths, a twist of zero or one twist throughout.
 #[must_use]
 pub fn evaluate(torque: &[f64], twist: &[f64]) -> Option<StaticStiffness> {
-    if twist.contains(&0.0) {
+    let first = *twist.first()?;
+    let differ = |other: &f64| (other - first).abs() > SAME * first.abs();
+    if twist.contains(&0.0) || !twist.iter().any(differ) {
         return None;
     }
     let (offset, affine) = straight(twist, torque)?;
@@ -54,5 +59,6 @@ mod tests {
         assert!((test.mean_ratio.value - 0.3482).abs() < 2e-4, "{test:?}");
         assert!((test.deviation - 0.0197).abs() < 2e-4, "{test:?}");
         assert_eq!(evaluate(&torque, &[0.0; 7]), None);
+        assert_eq!(evaluate(&torque, &[0.1; 7]), None);
     }
 }

@@ -1,6 +1,7 @@
 //! Chapter 4: the rig's parameters and the validation of its model.
 
 mod free_decay;
+mod motor;
 mod start_up;
 mod static_tests;
 mod table_4_7;
@@ -28,6 +29,11 @@ pub(super) const EXPERIMENTS: &[Experiment] = &[
         id: "table-4.4",
         title: "Free decays: frequencies, decrements, damping (Tables 4.4, 4.5, Figs 4.9, 4.10)",
         run: free_decay::decays,
+    },
+    Experiment {
+        id: "table-4.6",
+        title: "The motor's constants, and numbers that are not given (Table 4.6, Eq. 4-4)",
+        run: motor::constants,
     },
     Experiment {
         id: "fig-4.11",

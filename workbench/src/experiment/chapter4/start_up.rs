@@ -1,12 +1,13 @@
 //! Section 4.5: four starts without normal force, Figs 4.11 and 4.12, Table 4.7.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
-use stickslip::plant::{BearingFriction, Rig, Unbalance};
+use stickslip::plant::{BearingFriction, QuadraticDrag, Rig, Unbalance, ViscousDrag};
 
 use crate::analysis::measures::{
     amplitude_pulse_level, pearson_correlation, root_mean_square_error,
 };
+use crate::calibrate::evolution::Population;
 use crate::experiment::virtual_rig::{
     Operation, Run, SAMPLE_STEP, radians_per_second, range, reduced_rig, tachometer,
 };
@@ -20,8 +21,13 @@ pub(super) const TABLE_4_7: [(f64, f64, f64, f64); 4] = [
     (40.0, 0.552, 0.76, 0.104),
     (50.0, 0.534, 0.90, 0.112),
 ];
+/// RMSE/ω_ref of Table 4.7, as printed.
+const NORMALISED: [f64; 4] = [0.064, 0.110, 0.131, 0.102];
 /// Length of the records [s]; not given. Table 4.7 rules out less than 43 s (experiment `table-4.7`).
 const DURATION: f64 = 44.0;
+/// Sets of flaws that are bred, and how often.
+const MEMBERS: usize = 20;
+const GENERATIONS: usize = 40;
 
 /// A start from rest without normal force, kept for `duration` [s].
 pub(super) fn start(rig: &Rig<f64>, speed_rpm: f64, duration: f64) -> Result<Run, ExperimentError> {
@@ -41,23 +47,57 @@ pub(super) fn start(rig: &Rig<f64>, speed_rpm: f64, duration: f64) -> Result<Run
 /// What the virtual rig has and the model lacks.
 #[derive(Debug, Clone, Copy)]
 struct Flaws {
-    /// Dry friction of the bearings [N m].
-    bearing: f64,
     /// Torque of the disc's unbalance [N m].
     unbalance: f64,
     /// Its angle at the start [rad].
     phase: f64,
+    /// Dry friction of the bearings [N m].
+    bearing: f64,
+    /// Drag that grows with the velocity [N m s/rad].
+    viscous: f64,
+    /// Drag that grows with its square [N m s²/rad²].
+    quadratic: f64,
 }
 
-/// The rig with what the model lacks: dry friction of the bearings and a disc out of balance [N m].
+impl Flaws {
+    /// Largest values that are tried; the angle may be any.
+    const LARGEST: Self = Self {
+        unbalance: 0.04,
+        phase: PI,
+        bearing: 0.08,
+        viscous: 0.01,
+        quadratic: 0.002,
+    };
+
+    /// The flaws at a place of the unit cube.
+    fn at(place: &[f64]) -> Self {
+        let share = |index: usize| place.get(index).copied().unwrap_or(0.0);
+        Self {
+            unbalance: share(0) * Self::LARGEST.unbalance,
+            phase: (2.0 * share(1) - 1.0) * Self::LARGEST.phase,
+            bearing: share(2) * Self::LARGEST.bearing,
+            viscous: share(3) * Self::LARGEST.viscous,
+            quadratic: share(4) * Self::LARGEST.quadratic,
+        }
+    }
+}
+
+/// The rig with what the model lacks.
 fn flawed(rig: &Rig<f64>, flaws: &Flaws) -> Rig<f64> {
     let mut flawed = *rig;
-    flawed.effects.bearing_friction = Some(BearingFriction {
-        torque: flaws.bearing,
-    });
-    flawed.effects.unbalance = Some(Unbalance {
+    let effects = &mut flawed.effects;
+    effects.unbalance = Some(Unbalance {
         torque: flaws.unbalance,
         phase: flaws.phase,
+    });
+    effects.bearing_friction = Some(BearingFriction {
+        torque: flaws.bearing,
+    });
+    effects.viscous_drag = Some(ViscousDrag {
+        coefficient: flaws.viscous,
+    });
+    effects.quadratic_drag = Some(QuadraticDrag {
+        coefficient: flaws.quadratic,
     });
     flawed
 }
@@ -94,48 +134,45 @@ fn distance(measures: &[[f64; 3]]) -> f64 {
         .sum()
 }
 
-/// The flaws that come nearest to the printed errors and correlations, over a grid.
-fn nearest_flaws(rig: &Rig<f64>, models: &[Run]) -> Result<Flaws, ExperimentError> {
-    let mut best: Option<(f64, Flaws)> = None;
-    for bearing in [0.0, 0.005, 0.01, 0.02, 0.03, 0.05] {
-        for unbalance in [0.005, 0.01, 0.015, 0.02, 0.03] {
-            for phase in [-FRAC_PI_2, 0.0, FRAC_PI_2, PI] {
-                let flaws = Flaws {
-                    bearing,
-                    unbalance,
-                    phase,
-                };
-                let runs = starts(&flawed(rig, &flaws))?;
-                let others: Vec<Vec<f64>> = runs.into_iter().map(|run| run.omega).collect();
-                let distance = distance(&measures(models, &others));
-                if best.is_none_or(|(least, _)| distance < least) {
-                    best = Some((distance, flaws));
-                }
-            }
-        }
+/// The flaws that come nearest to the printed errors and correlations, by differential evolution.
+fn nearest_flaws(rig: &Rig<f64>, models: &[Run]) -> Flaws {
+    let cost = |place: &Vec<f64>| {
+        // A set under which a start cannot be computed is no candidate.
+        starts(&flawed(rig, &Flaws::at(place))).map_or(f64::INFINITY, |runs| {
+            let others: Vec<Vec<f64>> = runs.into_iter().map(|run| run.omega).collect();
+            distance(&measures(models, &others))
+        })
+    };
+    let costs = |places: &[Vec<f64>]| -> Vec<f64> { places.iter().map(cost).collect() };
+    let mut population = Population::strewn(MEMBERS, 5, 1, costs);
+    for _ in 0..GENERATIONS {
+        population.evolve(costs);
     }
-    best.map(|(_, flaws)| flaws)
-        .ok_or_else(|| ExperimentError::Nothing("no flaws tried".to_owned()))
+    Flaws::at(&population.best().place)
 }
 
 /// Fig. 4.11 and Table 4.7.
 pub fn velocities() -> Result<Findings, ExperimentError> {
     let rig = reduced_rig()?;
     let models = starts(&rig)?;
-    let flaws = nearest_flaws(&rig, &models)?;
+    let flaws = nearest_flaws(&rig, &models);
     let records: Vec<Vec<f64>> = starts(&flawed(&rig, &flaws))?
         .iter()
         .zip(1..)
         .map(|(run, seed)| tachometer(&run.omega, seed))
         .collect();
     let mut findings = Findings::default();
-    for (ours, printed) in measures(&models, &records).iter().zip(&TABLE_4_7) {
+    for ((ours, printed), normalised) in measures(&models, &records)
+        .iter()
+        .zip(&TABLE_4_7)
+        .zip(NORMALISED)
+    {
         let (speed, rmse, correlation, level) = *printed;
         for (name, published, value) in [
             ("RMSE [rad/s]", rmse, ours[0]),
             (
                 "RMSE/ω_ref",
-                rmse / radians_per_second(speed),
+                normalised,
                 ours[0] / radians_per_second(speed),
             ),
             ("PC", correlation, ours[1]),
@@ -146,17 +183,35 @@ pub fn velocities() -> Result<Findings, ExperimentError> {
                 Verdict::Reproduced => {
                     Verdict::ReproducedWith("the flaws of the virtual rig".to_owned())
                 }
-                _ => Verdict::Open("the record is lost".to_owned()),
+                _ => Verdict::Open(
+                    "no set of flaws tried reaches it and the record is lost".to_owned(),
+                ),
             };
-            findings.rows.push(row.verdict(verdict));
+            let misprint = rmse / radians_per_second(speed);
+            let remark = if name == "RMSE/ω_ref" && (misprint - published).abs() > 5e-4 {
+                format!(
+                    "the printed RMSE over ω_ref is {}: cut off, not rounded",
+                    short(misprint)
+                )
+            } else {
+                String::new()
+            };
+            findings.rows.push(row.verdict(verdict).remark(remark));
         }
     }
     if let Some(row) = findings.rows.first_mut() {
         row.remark = format!(
-            "Virtual experiment: the model with bearing friction {} N m, unbalance {} N m at {} rad (of a grid of 120 the nearest to the printed RMSE and PC) and tachometer noise, {DURATION} s long. Without unbalance nothing drives a lasting oscillation: Coulomb friction alone damps it. One unbalance for all speeds gives an error that grows with the speed up to resonance at 46 rpm; the printed one falls from 40 to 50 rpm.",
-            short(flaws.bearing),
+            "Virtual experiment: the model with an unbalance of {} N m at {} rad, bearing friction {} N m, viscous drag {} N m s/rad, quadratic drag {} N m s²/rad² and tachometer noise, {DURATION} s long: of {} sets up to {} N m, {} N m, {} N m s/rad, {} N m s²/rad² the nearest to the printed RMSE and PC; APL is not fitted. The text suspects dry friction; that alone drives no lasting oscillation, an unbalance does, and drag keeps the one at 50 rpm, next to resonance at 46 rpm, small",
             short(flaws.unbalance),
-            short(flaws.phase)
+            short(flaws.phase),
+            short(flaws.bearing),
+            short(flaws.viscous),
+            short(flaws.quadratic),
+            MEMBERS * (GENERATIONS + 1),
+            Flaws::LARGEST.unbalance,
+            Flaws::LARGEST.bearing,
+            Flaws::LARGEST.viscous,
+            Flaws::LARGEST.quadratic,
         );
     }
     let mut figure = Figure::new("Starts without normal force (Fig. 4.11)");
@@ -224,6 +279,14 @@ pub fn currents() -> Result<Findings, ExperimentError> {
     if let Some(row) = findings.rows.first_mut() {
         row.remark = "The mean is the current against the motor's Coulomb friction, T_fm/K_T = 0.95 A, and C_m. The picture leaves out the first instant, in which the current of the locked motor rises.".to_owned();
     }
+    let mut columns = vec![("time [s]".to_owned(), models[0].time.clone())];
+    for (run, (speed, ..)) in models.iter().zip(&TABLE_4_7) {
+        columns.push((format!("current {speed} rpm [A]"), run.current.clone()));
+    }
+    findings.tables.push(Table {
+        name: "currents".to_owned(),
+        columns,
+    });
     findings.picture(
         "fig-4.12",
         "Armature current",

@@ -40,6 +40,7 @@ const SHAFT2: Printed = Printed {
 /// Table 4.1.
 pub fn inertias() -> Result<Findings, ExperimentError> {
     let mut findings = Findings::default();
+    let mut ours = Vec::new();
     for (disc, mass, radius, printed) in [
         (1, 6.40_f64, 0.095_f64, INERTIAS[0]),
         (2, 4.56, 0.081, INERTIAS[1]),
@@ -51,7 +52,30 @@ pub fn inertias() -> Result<Findings, ExperimentError> {
                 1e4 * inertia
             )),
         );
+        ours.push(inertia);
     }
+    let discs = [1.0, 2.0];
+    findings.picture(
+        "table-4.1",
+        "Moments of inertia",
+        Figure::new("Moments of inertia (Table 4.1)").panel(
+            260.0,
+            Chart::new(
+                Axis::new("disc [1]").range(0.5, 2.5),
+                Axis::new("J [kg m²]").range(0.0, 0.032),
+            )
+            .published("published", &discs, &INERTIAS)
+            .points("m r²/2", &discs, &ours, Marker::Dot, Style::model()),
+        ),
+    );
+    findings.tables.push(Table::new(
+        "inertias",
+        vec![
+            ("disc", discs.to_vec()),
+            ("published J [kg m2]", INERTIAS.to_vec()),
+            ("m r^2/2 [kg m2]", ours),
+        ],
+    ));
     Ok(findings)
 }
 

@@ -3,13 +3,19 @@
 mod friction_torque;
 mod full_rig;
 pub(super) mod recorded;
+mod settings;
 mod sweeps;
-pub(super) mod wobble;
+mod wobble;
 
 use super::Experiment;
 
 /// The chapter's experiments.
 pub(super) const EXPERIMENTS: &[Experiment] = &[
+    Experiment {
+        id: "sec-5.1-virtual-rig",
+        title: "The virtual rig: its settings and the facts to which it is calibrated",
+        run: settings::settings,
+    },
     Experiment {
         id: "fig-5.1",
         title: "Reduced rig, N₂ = 10 N: speed sweep",
@@ -34,6 +40,11 @@ pub(super) const EXPERIMENTS: &[Experiment] = &[
         id: "sec-5.2-wobble",
         title: "What a normal force that varies with the disc's angle does to the pattern and to 0.92 Hz",
         run: wobble::explanation,
+    },
+    Experiment {
+        id: "sec-5.3-virtual-rig",
+        title: "The full virtual rig: its settings and the facts to which it is calibrated",
+        run: settings::full_settings,
     },
     Experiment {
         id: "fig-5.5",

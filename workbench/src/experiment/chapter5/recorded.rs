@@ -2,11 +2,9 @@
 
 use crate::experiment::ExperimentError;
 use crate::experiment::virtual_rig::{
-    Operation, Run, SAMPLE_STEP, encoder, reduced_rig, wobbling_rig,
+    Operation, Run, SAMPLE_STEP, encoder, reduced_rig, relative_force, virtual_rig,
 };
 use crate::identify::inverse_dynamics::{RecoveredFriction, recover_friction};
-
-use super::wobble::WOBBLE;
 
 /// Samples on either side over which the encoders' angles are smoothed.
 pub const HALF_WIDTH: usize = 6;
@@ -52,10 +50,8 @@ pub fn recorded_friction(
     speed_rpm: f64,
     normal_force: f64,
 ) -> Result<RecordedFriction, ExperimentError> {
-    let run = Run::of(
-        &wobbling_rig(WOBBLE)?,
-        &Operation::steady(speed_rpm, normal_force),
-    )?;
+    let rig = virtual_rig()?;
+    let run = Run::of(&rig, &Operation::steady(speed_rpm, normal_force))?;
     let friction = recover_friction(
         &reduced_rig()?,
         &encoder(&run.theta),
@@ -67,7 +63,7 @@ pub fn recorded_friction(
     let force = run
         .theta
         .iter()
-        .map(|theta| normal_force * relative_force(*theta))
+        .map(|theta| normal_force * relative_force(&rig, *theta))
         .collect();
     let mut record = RecordedFriction {
         run,
@@ -76,9 +72,4 @@ pub fn recorded_friction(
     };
     record.trim(HALF_WIDTH);
     Ok(record)
-}
-
-/// The normal force of the virtual rig at a disc angle, relative to its mean.
-pub fn relative_force(theta: f64) -> f64 {
-    1.0 + WOBBLE * theta.cos()
 }

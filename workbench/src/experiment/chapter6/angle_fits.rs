@@ -2,9 +2,11 @@
 
 use std::f64::consts::PI;
 
+use stickslip::friction::{Law, TwoGaussianMu};
+
 use crate::experiment::chapter5::recorded::{RecordedFriction, recorded_friction};
-use crate::experiment::virtual_rig::CALIBRATED_MU;
-use crate::experiment::{ExperimentError, Findings, Row, Table, Verdict};
+use crate::experiment::virtual_rig::virtual_rig;
+use crate::experiment::{ExperimentError, Findings, Row, Table, Verdict, short};
 use crate::identify::ellipse::Ellipse;
 use crate::identify::two_gaussian_fit::TwoGaussians;
 use crate::plot::{Axis, Chart, Figure, Marker, Panel, Style};
@@ -17,6 +19,17 @@ const MOVING: f64 = 0.2;
 /// Velocity above which the recovered torque is used [rad/s]: below, the smoothing mixes it with the torque of sticking.
 const SLIDING: f64 = 1.26;
 const SHOWN: usize = 3000;
+
+/// The law that drives the virtual rig.
+fn driving_law() -> Result<TwoGaussianMu<f64>, ExperimentError> {
+    match virtual_rig()?.law {
+        Law::TwoGaussianMu(law) => Ok(law),
+        other => Err(ExperimentError::Nothing(format!(
+            "the virtual rig has the law {}, not the two Gaussians of Eq. 6-2",
+            other.name()
+        ))),
+    }
+}
 
 /// Samples in which the disc is faster than `velocity` [rad/s].
 fn faster(record: &RecordedFriction, velocity: f64) -> Vec<usize> {
@@ -42,6 +55,7 @@ fn fit_ellipse(record: &RecordedFriction) -> Result<Ellipse, ExperimentError> {
 pub fn ellipse() -> Result<Findings, ExperimentError> {
     let record = recorded_friction(55.0, 50.0)?;
     let ellipse = fit_ellipse(&record)?;
+    let law = driving_law()?;
     let mut findings = Findings::default();
     findings.rows.push(
         Row::added(
@@ -50,7 +64,7 @@ pub fn ellipse() -> Result<Findings, ExperimentError> {
         )
         .remark(format!(
             "not printed. Fitted to the virtual rig's encoder record; the law that drives it measures its angle on {:.2}, {:.2}, {:.1}: the fit of a cycle is not the law's own ellipse, and calibration must leave it free",
-            CALIBRATED_MU.omega_centre, CALIBRATED_MU.omega_centre, CALIBRATED_MU.acceleration_semi_axis
+            law.omega_centre, law.omega_centre, law.acceleration_semi_axis
         )),
     );
     let (breakaway, top) = (
@@ -75,6 +89,24 @@ pub fn ellipse() -> Result<Findings, ExperimentError> {
             )
         })
         .unzip();
+    findings.tables.push(Table::new(
+        "phase-plane",
+        vec![
+            ("time [s]", record.run.time.clone()),
+            ("omega2 [rad/s]", record.friction.velocity.clone()),
+            (
+                "acceleration [rad/s2]",
+                record.friction.acceleration.clone(),
+            ),
+        ],
+    ));
+    findings.tables.push(Table::new(
+        "ellipse",
+        vec![
+            ("omega2 [rad/s]", outline_x.clone()),
+            ("acceleration [rad/s2]", outline_y.clone()),
+        ],
+    ));
     findings.picture(
         "fig-6.1",
         "Ellipse of the phase plane",
@@ -95,10 +127,11 @@ pub fn ellipse() -> Result<Findings, ExperimentError> {
 
 /// The coefficient fitted over the angle on the ellipse of the law that drives the virtual rig.
 fn own_ellipse(record: &RecordedFriction, chosen: &[usize]) -> Result<Row, ExperimentError> {
+    let law = driving_law()?;
     let ellipse = Ellipse {
-        centre: CALIBRATED_MU.omega_centre,
-        velocity: CALIBRATED_MU.omega_centre,
-        acceleration: CALIBRATED_MU.acceleration_semi_axis,
+        centre: law.omega_centre,
+        velocity: law.omega_centre,
+        acceleration: law.acceleration_semi_axis,
     };
     let friction = &record.friction;
     let (angle, coefficient): (Vec<f64>, Vec<f64>) = chosen
@@ -112,7 +145,6 @@ fn own_ellipse(record: &RecordedFriction, chosen: &[usize]) -> Result<Row, Exper
         .unzip();
     let fit = TwoGaussians::fit(&angle, &coefficient)
         .ok_or_else(|| ExperimentError::Nothing("too few sliding samples".to_owned()))?;
-    let law = CALIBRATED_MU;
     let true_law = TwoGaussians {
         parameters: [law.a1, law.b1, law.c1, law.a2, law.b2, law.c2],
     };
@@ -128,13 +160,14 @@ fn own_ellipse(record: &RecordedFriction, chosen: &[usize]) -> Result<Row, Exper
     .remark("what encoders, smoothing and inverse dynamics add; the ellipse of the cycle, Fig. 6.1, is another one, on which two Gaussians can only approximate the law"))
 }
 
-/// The numbers that a fit of the coefficient should come near to.
-fn driving_law() -> String {
-    let law = CALIBRATED_MU;
-    format!(
-        "; the law that drives the virtual rig has {}, {}, {}, {}, {}, {} on its own ellipse",
-        law.a1, law.b1, law.c1, law.a2, law.b2, law.c2
-    )
+/// The numbers that a fit of the coefficient should come near to, in words.
+fn driving_numbers() -> Result<String, ExperimentError> {
+    let law = driving_law()?;
+    let numbers = [law.a1, law.b1, law.c1, law.a2, law.b2, law.c2].map(short);
+    Ok(format!(
+        "; the law that drives the virtual rig has {} on its own ellipse",
+        numbers.join(", ")
+    ))
 }
 
 /// Figs 6.2, 6.3, 6.8 and 6.9.
@@ -188,7 +221,7 @@ pub fn gaussians() -> Result<Findings, ExperimentError> {
                     "not printed; residual {:.1} % of the mean{}",
                     100.0 * fit.residual(&angle, &values) / mean,
                     if number == "6.3" {
-                        driving_law()
+                        driving_numbers()?
                     } else {
                         String::new()
                     }
