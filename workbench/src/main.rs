@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use build_fmu::explain::explain;
 use clap::Parser;
 use workbench::cli::{self, Cli, Outcome};
 
@@ -11,7 +12,7 @@ fn main() -> ExitCode {
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
         Ok(Outcome::Interrupted) => ExitCode::from(130),
         Err(error) => {
-            eprintln!("stickslip: {error:#}");
+            eprintln!("stickslip: {}", explain(error.as_ref()));
             ExitCode::from(2)
         }
     }
