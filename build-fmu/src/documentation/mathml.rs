@@ -1,8 +1,8 @@
 //! Equations as MathML, which every browser shows without scripts, from a notation of words and blanks.
 //!
 //! Words are separated by blanks: `J_2` has a subscript, `ω_s^2` a superscript as well, `θ_2'` and
-//! `θ_2''` are time derivatives, `^2` raises what is before it, `a//b` is a fraction of two words. `{held while}` and a word
-//! that ends in a colon are text; everything else is shown as it is.
+//! `θ_2''` are time derivatives, `^2` raises what is before it, `a//b` is a fraction of two words. `{held while}` and words
+//! up to a colon at the beginning are text; everything else is shown as it is.
 
 use std::fmt::Write;
 
@@ -10,6 +10,12 @@ use std::fmt::Write;
 pub fn equation(notation: &str) -> String {
     let mut markup = String::new();
     let mut rest = notation;
+    if let Some((condition, equation)) = notation.split_once(": ")
+        && condition.split(' ').all(is_word)
+    {
+        markup.push_str(&text(&format!("{condition}:")));
+        rest = equation;
+    }
     while let Some((before, after)) = rest.split_once('{') {
         let (sentence, left) = after.split_once('}').unwrap_or((after, ""));
         markup.extend(before.split_whitespace().map(word));
@@ -20,15 +26,16 @@ pub fn equation(notation: &str) -> String {
     format!("<math display=\"block\"><mrow>{markup}</mrow></math>")
 }
 
+fn is_word(text: &str) -> bool {
+    text.len() > 1 && text.chars().all(char::is_alphabetic)
+}
+
 /// Words between symbols, kept apart from them by spaces that browsers do not drop.
 fn text(sentence: &str) -> String {
     format!("<mtext>\u{a0}{}\u{a0}</mtext>", escape(sentence))
 }
 
 fn word(word: &str) -> String {
-    if word.ends_with(':') {
-        return text(word);
-    }
     if let Some((numerator, denominator)) = word.split_once("//") {
         return format!(
             "<mfrac>{}{}</mfrac>",
@@ -123,8 +130,8 @@ mod tests {
     #[test]
     fn words_are_text_and_keep_their_blanks() {
         assert_eq!(
-            equation("stuck: v = 0 , {held while} u"),
-            "<math display=\"block\"><mrow><mtext>\u{a0}stuck:\u{a0}</mtext><mi>v</mi><mo>=</mo><mn>0</mn><mo>,</mo>\
+            equation("sticks from sliding: v = 0 , {held while} u"),
+            "<math display=\"block\"><mrow><mtext>\u{a0}sticks from sliding:\u{a0}</mtext><mi>v</mi><mo>=</mo><mn>0</mn><mo>,</mo>\
              <mtext>\u{a0}held while\u{a0}</mtext><mi>u</mi></mrow></math>"
         );
     }
