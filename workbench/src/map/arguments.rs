@@ -7,6 +7,7 @@ use std::str::FromStr;
 
 use anyhow::{Context, ensure};
 use clap::Args;
+use stickslip::controller::is_controller;
 
 use super::settings::{Quantity, Settings};
 use super::span::Span;
@@ -74,6 +75,11 @@ impl MapArguments {
         );
         let text = fs::read_to_string(path)
             .with_context(|| format!("{}: cannot be read", path.display()))?;
+        ensure!(
+            !is_controller(&text),
+            "{} is a controller; a map is made of a rig (with controllers: stickslip closed-loop)",
+            path.display()
+        );
         let mut spans = vec![
             (Quantity::SpeedRpm, self.speed_rpm),
             (Quantity::NormalForce, self.normal_force),
