@@ -42,6 +42,7 @@ def on_files(files, config):
     for source, name in ROOT_PAGES.items():
         text = links((ROOT / source).read_text(), ROOT)
         files.append(File.generated(config, name, content=text))
+    files.append(File.generated(config, "css/book.css", content=(ROOT / "book/book.css").read_text()))
     files.append(File.generated(config, "reference/variables.md", content=variables()))
     files.append(File.generated(config, "reference/commands.md", content=commands()))
     return files
@@ -51,6 +52,15 @@ def on_page_markdown(markdown, page, config, files):
     if page.file.generated_by:
         return markdown
     return links(markdown, (ROOT / "docs" / page.file.src_uri).parent)
+
+
+def on_page_content(content, page, config, files):
+    """Paths and names in tables may break behind a slash, two colons or an underscore, or they would widen the page."""
+
+    def breakable(code):
+        return re.sub(r"(/|::|_)", r"\1<wbr>", code[0].removesuffix("</code>")) + "</code>"
+
+    return re.sub(r"(?s)<td.*?</td>", lambda cell: re.sub(r"<code>[^<]*</code>", breakable, cell[0]), content)
 
 
 def links(text, folder):
@@ -119,12 +129,18 @@ def commands():
         path = ROOT / "target/release" / program
         if not path.exists():
             raise PluginError(f"{path} is missing: cargo build --release --package {program.replace('stickslip', 'workbench')}")
-        shown = help_of(path)
-        text += f"\n## {program}\n\n```text\n{shown}```\n"
-        listed = re.search(r"Commands:\n((?:  .*\n)+)", shown)
-        for name in re.findall(r"^  (\S+)", listed[1] if listed else "", re.MULTILINE):
-            if name != "help":
-                text += f"\n### {program} {name}\n\n```text\n{help_of(path, name)}```\n"
+        text += help_pages(path, program)
+    return text
+
+
+def help_pages(path, program, *command):
+    """Help of a program or one of its commands, then that of the commands below it."""
+    shown = help_of(path, *command)
+    text = f"\n##{'#' * len(command)} {' '.join([program, *command])}\n\n```text\n{shown}```\n"
+    listed = re.search(r"Commands:\n((?:  .*\n)+)", shown)
+    for name in re.findall(r"^  (\S+)", listed[1] if listed else "", re.MULTILINE):
+        if name != "help":
+            text += help_pages(path, program, *command, name)
     return text
 
 

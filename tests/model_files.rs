@@ -173,6 +173,18 @@ fn missing_and_unknown_keys() {
 }
 
 #[test]
+fn whole_numbers_do_for_every_number() {
+    let text = with(
+        "ratio = 8.0",
+        "ratio = { value = 8, status = \"measured\", relative_uncertainty = 0, interval95 = [7, 9] }",
+    );
+    let file = ModelFile::parse(&text, "model.toml").unwrap();
+    let provenance = &file.provenance["gearbox.ratio"];
+    assert_eq!(provenance.relative_uncertainty, Some(0.0));
+    assert_eq!(provenance.interval95, Some([7.0, 9.0]));
+}
+
+#[test]
 fn wrong_types() {
     let text = message(&with("ratio = 8.0", "ratio = \"eight\""));
     assert_eq!(
@@ -188,7 +200,37 @@ fn wrong_types() {
         (
             "ratio = 8.0",
             "ratio = { value = 8.0, status = \"guessed\" }",
-            "ratio.status = \"guessed\" must be one of published, corrected, calibrated, fitted, assumed",
+            "ratio.status = \"guessed\" must be one of published, measured, corrected, calibrated, fitted, assumed",
+        ),
+        (
+            "ratio = 8.0",
+            "ratio = { value = 8.0, unit = \"rpm\" }",
+            "[gearbox] ratio.unit = \"rpm\" must be \"1\"; convert the value",
+        ),
+        (
+            "inertia = 0.0149",
+            "inertia = { value = 149.0, unit = \"kg cm2\" }",
+            "[disc] inertia.unit = \"kg cm2\" must be \"kg.m2\"; convert the value",
+        ),
+        (
+            "inertia = 0.0149",
+            "inertia = { value = 0.0149, unit = 3 }",
+            "[disc] inertia.unit = 3 must be \"kg.m2\"",
+        ),
+        (
+            "ratio = 8.0",
+            "ratio = { value = 8.0, relative_uncertainty = -0.1 }",
+            "[gearbox] ratio.relative_uncertainty = -0.1 must be one standard deviation over the value, 0 or above",
+        ),
+        (
+            "ratio = 8.0",
+            "ratio = { value = 8.0, relative_uncertainty = inf }",
+            "[gearbox] ratio.relative_uncertainty = inf must be one standard deviation",
+        ),
+        (
+            "ratio = 8.0",
+            "ratio = { value = 8.0, interval95 = [9.0, 7.0] }",
+            "ratio.interval95 = [9.0, 7.0] must be two numbers, the lower one first",
         ),
         (
             "ratio = 8.0",

@@ -28,6 +28,14 @@ pub enum ArchiveError {
         /// The zip writer's reason.
         source: zip::result::ZipError,
     },
+    /// The folder could not be made.
+    #[error("the folder {} could not be made: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
     /// The file could not be written.
     #[error("{} could not be written: {source}", path.display())]
     Write {
@@ -110,7 +118,7 @@ impl Archive {
 /// Writes a file whole or not at all: into a temporary file beside it, then renamed. Makes the folder if needed.
 ///
 /// # Errors
-/// [`ArchiveError::Write`] with the path that failed.
+/// [`ArchiveError::Folder`] or [`ArchiveError::Write`] with the path that failed.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), ArchiveError> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -120,7 +128,10 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), ArchiveError>
         let path = at.to_owned();
         move |source| ArchiveError::Write { path, source }
     };
-    fs::create_dir_all(folder).map_err(failed(folder))?;
+    fs::create_dir_all(folder).map_err(|source| ArchiveError::Folder {
+        path: folder.to_owned(),
+        source,
+    })?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".build-fmu-");
     #[cfg(unix)]

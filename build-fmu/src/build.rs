@@ -1,6 +1,7 @@
 //! From a `model.toml` and a library to FMUs on disk.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use stickslip::cosim::{self, CoSimulationModel, MODEL_FILE, ModelError};
@@ -23,6 +24,12 @@ pub enum BuildError {
         path: PathBuf,
         /// The system's reason.
         source: std::io::Error,
+    },
+    /// The model file is no text: an FMU, say.
+    #[error("{}: is not a text file; a model file (.toml) is needed", path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
     },
     /// The model file does not describe a model; the reason names file, key and value.
     #[error("{0}")]
@@ -72,11 +79,14 @@ impl Source {
     /// Reads a model file.
     ///
     /// # Errors
-    /// [`BuildError::Read`], or as [`Source::from_text`].
+    /// [`BuildError::Read`], [`BuildError::NotText`], or as [`Source::from_text`].
     pub fn read(path: &Path) -> Result<Self, BuildError> {
-        let text = fs::read_to_string(path).map_err(|source| BuildError::Read {
-            path: path.to_owned(),
-            source,
+        let text = fs::read_to_string(path).map_err(|source| {
+            let path = path.to_owned();
+            match source.kind() {
+                ErrorKind::InvalidData => BuildError::NotText { path },
+                _ => BuildError::Read { path, source },
+            }
         })?;
         Self::from_text(text, &path.display().to_string())
     }

@@ -10,6 +10,7 @@ pub mod binary_header;
 pub mod build;
 pub mod contents;
 pub mod documentation;
+pub mod explain;
 pub mod icon;
 pub mod library;
 pub mod lint;

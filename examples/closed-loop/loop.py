@@ -5,6 +5,7 @@ import csv
 import math
 import pathlib
 import subprocess
+import sys
 
 import fmpy
 import matplotlib
@@ -32,6 +33,8 @@ def folder():
 
 def build(model, out, *options):
     """Runs build-fmu on a model file of the project; returns what it wrote."""
+    if not BUILD_FMU.exists():
+        sys.exit(f"{BUILD_FMU} is missing: cargo build --release --package stickslip --package build-fmu")
     command = [BUILD_FMU, *options, ROOT / "modelDescription" / f"{model}.toml", "--out", out]
     lines = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
     return [pathlib.Path(line.split(" (")[0]) for line in lines]

@@ -20,17 +20,23 @@ def opened(fmu):
     return fmpy.read_model_description(fmu), fmpy.extract(fmu)
 
 
+def variables(fmu):
+    """All variables by name."""
+    description, _ = opened(str(fmu))
+    return {v.name: v for v in description.modelVariables}
+
+
 def start_values(fmu):
     """Start values of the parameters by name."""
-    description, _ = opened(str(fmu))
-    return {v.name: float(v.start) for v in description.modelVariables if v.causality == "parameter"}
+    return {name: float(v.start) for name, v in variables(fmu).items() if v.causality == "parameter"}
 
 
 def voltage_for(fmu, speed_rpm):
     """Motor voltage [V] that turns the unloaded rig at `speed_rpm` in open loop, as the dissertation's tests do."""
     value = start_values(fmu)
     motor_speed = value["gearbox.ratio"] * speed_rpm * math.pi / 30
-    torque = value["motor.viscous_damping"] * motor_speed + value["motor.coulomb_torque"]
+    direction = (speed_rpm > 0) - (speed_rpm < 0)
+    torque = value["motor.viscous_damping"] * motor_speed + value["motor.coulomb_torque"] * direction
     current = torque / value["motor.torque_constant"]
     return value["motor.resistance"] * current + value["motor.back_emf_constant"] * motor_speed
 
@@ -68,8 +74,10 @@ def held(inputs):
 
 
 def read_record(path):
-    """A record (CSV, `time` first) as a table."""
-    return pandas.read_csv(path, index_col="time")
+    """A record (CSV, `time` first) as a table; the last digits of times are rounding."""
+    table = pandas.read_csv(path, index_col="time")
+    table.index = table.index.astype(float).to_numpy().round(9)
+    return table.rename_axis("time")
 
 
 def measures(model, record, reference):

@@ -3,20 +3,17 @@
     python run_and_plot.py out/ReducedRig.fmi3.fmu --speed-rpm 55 --normal-force 50 --out out/python
 """
 
-import argparse
-import pathlib
-
+import command_line
 import rig
 from matplotlib import pyplot
 
-parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("fmu", type=pathlib.Path)
-parser.add_argument("--speed-rpm", type=float, default=55.0, help="of the gearbox output without load")
-parser.add_argument("--normal-force", type=float, default=50.0, help="of the pin on disc D2 [N]")
-parser.add_argument("--stop", type=float, default=60.0, help="[s]")
-parser.add_argument("--out", type=pathlib.Path, required=True)
+parser = command_line.parser(__doc__)
+parser.add_argument("fmu", type=command_line.fmu)
+parser.add_argument("--speed-rpm", type=command_line.number, default=55.0, help="of the gearbox output without load")
+parser.add_argument("--normal-force", type=command_line.force, default=50.0, help="of the pin on disc D2 [N]")
+parser.add_argument("--stop", type=command_line.positive, default=60.0, help="[s]")
+parser.add_argument("--out", type=command_line.folder, required=True)
 arguments = parser.parse_args()
-arguments.out.mkdir(parents=True, exist_ok=True)
 
 voltage = rig.voltage_for(arguments.fmu, arguments.speed_rpm)
 run = rig.simulate(arguments.fmu, arguments.stop, u=voltage, N2=arguments.normal_force)

@@ -2,7 +2,7 @@
 
     python study.py out/ReducedRig.fmi3.fmu --speed-rpm 20 70 26 --normal-force 10 70 13 --out out/study
 
-Without further words on this machine (`--workers 4`); on a cluster the same with the address of its scheduler, which
+Without further words on this machine, with `--workers` processes; on a cluster the same with the address of its scheduler, which
 dask-jobqueue (Slurm), dask-kubernetes or `dask scheduler` gives:
 
     python study.py … --scheduler tcp://host:8786
@@ -11,12 +11,14 @@ Workers need nothing but the packages of requirements.txt: the FMU travels with 
 called again, the study goes on where it was. A worker that dies is replaced and its runs are done again.
 """
 
-import argparse
 import csv
+import hashlib
 import itertools
+import json
 import pathlib
 import sys
 
+import command_line
 import numpy
 import one_run
 import pandas
@@ -35,6 +37,25 @@ def done_before(path):
     whole = [line for line in lines if line.endswith("\n")]
     path.write_text("".join(whole))
     return {tuple(float(word) for word in line.split(",")[:2]) for line in whole[1:]}
+
+
+def same_study(out, fmu, stop):
+    """Keeps what the rows of a table come from; whether those that are there come from the same."""
+    path, study = out / "study.json", {"fmu": hashlib.sha256(fmu.read_bytes()).hexdigest(), "stop": stop}
+    if path.exists() and (out / "study.csv").exists():
+        return json.loads(path.read_text()) == study
+    path.write_text(json.dumps(study))
+    return True
+
+
+def points_of(parser, axes):
+    """All pairs of the values of two axes that are given as FIRST LAST COUNT."""
+    values = []
+    for name, (first, last, count) in axes.items():
+        if count < 1 or count != int(count):
+            parser.error(f"argument {name}: COUNT {count:g} is no whole number of 1 or more")
+        values.append([round(float(value), 9) for value in numpy.linspace(first, last, int(count))])
+    return list(itertools.product(*values))
 
 
 def bar(done, total):
@@ -78,28 +99,31 @@ def picture(path, out):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("fmu", type=pathlib.Path)
-    for name, help in [("--speed-rpm", "rpm"), ("--normal-force", "N")]:
-        parser.add_argument(name, nargs=3, required=True, metavar=("FIRST", "LAST", "COUNT"), help=f"[{help}]")
-    parser.add_argument("--stop", type=float, default=60.0, help="length of a run [s]")
+    parser = command_line.parser(__doc__)
+    parser.add_argument("fmu", type=command_line.fmu)
+    for name, kind, unit in [("--speed-rpm", command_line.number, "rpm"), ("--normal-force", command_line.force, "N")]:
+        parser.add_argument(
+            name, type=kind, nargs=3, required=True, metavar=("FIRST", "LAST", "COUNT"), help=f"[{unit}]"
+        )
+    parser.add_argument("--stop", type=command_line.positive, default=60.0, help="length of a run [s]")
     parser.add_argument("--scheduler", help="address of a Dask scheduler; without it a cluster on this machine")
-    parser.add_argument("--workers", type=int, default=2, help="processes of the cluster on this machine")
-    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--workers", type=command_line.count, default=2, help="processes of the cluster on this machine")
+    parser.add_argument("--out", type=command_line.folder, required=True)
     arguments = parser.parse_args()
-    arguments.out.mkdir(parents=True, exist_ok=True)
 
-    axes = [
-        [round(float(value), 9) for value in numpy.linspace(float(first), float(last), int(count))]
-        for first, last, count in (arguments.speed_rpm, arguments.normal_force)
-    ]
-    points = list(itertools.product(*axes))
+    points = points_of(parser, {"--speed-rpm": arguments.speed_rpm, "--normal-force": arguments.normal_force})
+    if not same_study(arguments.out, arguments.fmu, arguments.stop):
+        parser.error(f"{arguments.out} has the study of another FMU or another --stop; name another folder")
     path = arguments.out / "study.csv"
     local = None
     if arguments.scheduler is None:
         local = LocalCluster(n_workers=arguments.workers, threads_per_worker=1, dashboard_address=None)
     try:
-        with Client(arguments.scheduler or local) as client:
+        client = Client(arguments.scheduler or local)
+    except (OSError, ValueError) as error:
+        parser.error(f"no scheduler answers at {arguments.scheduler}: {error}")
+    try:
+        with client:
             study(client, arguments.fmu.read_bytes(), points, arguments.stop, path)
     except KilledWorker as error:
         sys.exit(f"study.py: workers keep dying: {error}; {path} has what is done, call again to go on")

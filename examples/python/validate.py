@@ -6,9 +6,7 @@ One run from the record's start says little of a rig that sticks and slips: a ph
 bad. So each FMU is also restarted from the record every 0.25 s (`windows`); by these it is judged.
 """
 
-import argparse
-import pathlib
-
+import command_line
 import numpy
 import pandas
 import rig
@@ -55,14 +53,13 @@ def starts(fmu, row):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("record", type=pathlib.Path, help="CSV: time, u, N2, theta, theta_dot, theta3, theta3_dot")
-    parser.add_argument("fmus", type=pathlib.Path, nargs="+")
-    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser = command_line.parser(__doc__)
+    parser.add_argument("record", type=command_line.record, help=f"CSV: time, {', '.join(command_line.COLUMNS)}")
+    parser.add_argument("fmus", type=command_line.fmu, nargs="+")
+    parser.add_argument("--out", type=command_line.folder, required=True)
     arguments = parser.parse_args()
-    arguments.out.mkdir(parents=True, exist_ok=True)
 
-    record = rig.read_record(arguments.record)
+    record = arguments.record
     measured = record["theta_dot"]
     wanted = record["theta3_dot"].mean()
     figure, axes = pyplot.subplots(figsize=(9, 4), layout="constrained")

@@ -15,7 +15,6 @@ pub mod state;
 #[cfg(test)]
 pub(crate) mod test_model;
 mod token;
-pub mod units;
 mod variables;
 
 pub use identity::{

@@ -1,7 +1,7 @@
 //! The variable table: the only source of names, value references, units, causality, start values,
 //! dispatch and XML.
 
-use super::units::Unit;
+use crate::parameter::units::{Unit, UnitError};
 use std::fmt;
 
 /// The part that a variable plays between the component and its importer.
@@ -262,6 +262,6 @@ pub enum TableError {
         /// The variable that uses the unit.
         variable: String,
         /// What is wrong with the unit.
-        source: super::units::UnitError,
+        source: UnitError,
     },
 }

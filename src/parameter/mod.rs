@@ -2,6 +2,7 @@
 
 mod list;
 mod section_file;
+pub mod units;
 
 pub use list::Parameter;
 pub(crate) use list::{check, parameters, position, set_at, value_at};

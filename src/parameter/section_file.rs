@@ -1,6 +1,6 @@
 //! Reading the sections of `model.toml`: numbers with where they come from, and what may be wrong with them.
 
-use super::{ParameterError, ParameterInfo};
+use super::{ParameterError, ParameterInfo, units};
 use std::collections::BTreeMap;
 use thiserror::Error;
 use toml::Value;
@@ -91,7 +91,7 @@ pub enum ModelFileError {
 pub struct Provenance {
     /// Table, equation or record.
     pub source: Option<String>,
-    /// `published`, `corrected`, `calibrated`, `fitted` or `assumed`.
+    /// `published`, `measured`, `corrected`, `calibrated`, `fitted` or `assumed`.
     pub status: Option<String>,
     /// Relative standard deviation with which the number is known.
     pub relative_uncertainty: Option<f64>,
@@ -100,7 +100,14 @@ pub struct Provenance {
 }
 
 /// Allowed words for [`Provenance::status`].
-const STATUSES: [&str; 5] = ["published", "corrected", "calibrated", "fitted", "assumed"];
+const STATUSES: [&str; 6] = [
+    "published",
+    "measured",
+    "corrected",
+    "calibrated",
+    "fitted",
+    "assumed",
+];
 
 /// The sections of one file, read one by one.
 pub(crate) struct SectionReader<'a> {
@@ -184,7 +191,7 @@ impl<'a> SectionReader<'a> {
         let mut numbers = BTreeMap::new();
         for info in infos {
             if let Some(value) = table.get(info.key) {
-                let number = self.number(section, info.key, value)?;
+                let number = self.number(section, info, value)?;
                 numbers.insert(info.key, number);
             }
         }
@@ -203,56 +210,61 @@ impl<'a> SectionReader<'a> {
         })
     }
 
-    fn number(&mut self, section: &str, key: &str, value: &Value) -> Result<f64, ModelFileError> {
+    fn number(
+        &mut self,
+        section: &str,
+        info: &ParameterInfo,
+        value: &Value,
+    ) -> Result<f64, ModelFileError> {
+        let key = info.key;
         let expected = "a number or { value = …, unit = …, source = …, status = … }";
         match value {
-            Value::Float(x) => Ok(*x),
-            Value::Integer(n) => Ok(*n as f64),
             Value::Table(table) => {
-                let number = match table.get("value") {
-                    Some(Value::Float(x)) => *x,
-                    Some(Value::Integer(n)) => *n as f64,
-                    _ => return Err(self.wrong_type(section, key, value, expected)),
+                let Some(number) = table.get("value").and_then(number) else {
+                    return Err(self.wrong_type(section, key, value, expected));
                 };
-                let provenance = self.read_provenance(section, key, table)?;
+                let provenance = self.read_provenance(section, info, table)?;
                 self.provenance
                     .insert(format!("{section}.{key}"), provenance);
                 Ok(number)
             }
-            _ => Err(self.wrong_type(section, key, value, expected)),
+            _ => number(value).ok_or_else(|| self.wrong_type(section, key, value, expected)),
         }
     }
 
     fn read_provenance(
         &self,
         section: &str,
-        key: &str,
+        info: &ParameterInfo,
         table: &toml::Table,
     ) -> Result<Provenance, ModelFileError> {
         let mut provenance = Provenance::default();
         for (field, value) in table {
-            let name = format!("{key}.{field}");
+            let name = format!("{}.{field}", info.key);
+            let wrong = |expected: &str| Err(self.wrong_type(section, &name, value, expected));
             match (field.as_str(), value) {
-                ("value" | "unit", _) => {}
+                ("value", _) => {}
+                ("unit", Value::String(text)) if units::is_same(text, info.unit) => {}
+                ("unit", _) => return wrong(&format!("{:?}; convert the value", info.unit)),
                 ("source", Value::String(text)) => provenance.source = Some(text.clone()),
+                ("source", _) => return wrong("a text"),
                 ("status", Value::String(text)) if STATUSES.contains(&text.as_str()) => {
                     provenance.status = Some(text.clone());
                 }
-                ("status", _) => {
-                    let expected = format!("one of {}", STATUSES.join(", "));
-                    return Err(self.wrong_type(section, &name, value, &expected));
+                ("status", _) => return wrong(&format!("one of {}", STATUSES.join(", "))),
+                ("relative_uncertainty", _) => {
+                    let known = number(value).filter(|x| x.is_finite() && *x >= 0.0);
+                    if known.is_none() {
+                        return wrong("one standard deviation over the value, 0 or above");
+                    }
+                    provenance.relative_uncertainty = known;
                 }
-                ("relative_uncertainty", Value::Float(x)) if *x >= 0.0 => {
-                    provenance.relative_uncertainty = Some(*x);
-                }
-                ("interval95", Value::Array(bounds)) => {
-                    let bounds: Vec<f64> = bounds.iter().filter_map(Value::as_float).collect();
-                    let [low, high] = bounds[..] else {
-                        return Err(self.wrong_type(section, &name, value, "two numbers"));
+                ("interval95", _) => {
+                    let Some(bounds) = interval(value) else {
+                        return wrong("two numbers, the lower one first");
                     };
-                    provenance.interval95 = Some([low, high]);
+                    provenance.interval95 = Some(bounds);
                 }
-                ("source", _) => return Err(self.wrong_type(section, &name, value, "a text")),
                 _ => {
                     return Err(ModelFileError::UnknownKey {
                         file: self.file.to_owned(),
@@ -282,4 +294,21 @@ impl<'a> SectionReader<'a> {
             expected: expected.to_owned(),
         }
     }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Float(x) => Some(*x),
+        Value::Integer(n) => Some(*n as f64),
+        _ => None,
+    }
+}
+
+/// Two numbers that do not fall.
+fn interval(value: &Value) -> Option<[f64; 2]> {
+    let [low, high] = value.as_array()?.as_slice() else {
+        return None;
+    };
+    let bounds = [number(low)?, number(high)?];
+    (bounds[0] <= bounds[1]).then_some(bounds)
 }

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import tomllib
+import zipfile
 
 import pytest
 
@@ -104,6 +105,24 @@ def test_importers_are_pinned_and_their_tests_are_there():
         file, _, function = test.strip("`").partition("::")
         text = (ROOT / file).read_text()
         assert not function or re.search(rf"(def|fn) {function}\b", text), test
+
+
+def test_the_files_of_an_fmu_are_those_of_the_table(tmp_path):
+    command = [ROOT / "target/release/build-fmu", ROOT / "modelDescription/reduced-rig.toml", "--out", tmp_path]
+    subprocess.run(command, check=True, capture_output=True)
+    table = (DOCS / "reference/files.md").read_text().partition("## In an FMU")[2]
+    lines = [[part.strip(" `") for part in line.strip("| ").split(" | ")] for line in table.splitlines() if line[:2] == "| "]
+    for column, version in enumerate(["fmi2", "fmi3"]):
+        listed = {}
+        for line in lines[1:]:
+            sizes = line[2].split(", ")
+            if line[column] != "–":
+                listed[line[column]] = int(sizes[min(column, len(sizes) - 1)].replace(",", ""))
+        with zipfile.ZipFile(tmp_path / f"ReducedRig.{version}.fmu") as archive:
+            packed = {entry.filename: entry.file_size for entry in archive.infolist()}
+        assert listed.keys() == packed.keys()
+        for name, size in packed.items():
+            assert listed[name] == pytest.approx(size, rel=0.05), name
 
 
 def shell_blocks(page):

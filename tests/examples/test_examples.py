@@ -68,11 +68,55 @@ def test_parameters_change_the_motion(fmu):
     assert is_picture(folder / "parameters.png")
 
 
-def test_a_parameter_that_is_not_there_is_told_with_those_that_are(fmu):
-    command = [sys.executable, EXAMPLES / "change_parameters.py", fmu, "contact.mu", "0.1", "--out", OUT]
-    result = subprocess.run(command, capture_output=True, text=True)
-    assert result.returncode == 2
-    assert "contact.mu is no parameter" in result.stderr and "contact.mu_s" in result.stderr
+MISTAKES = [
+    ("run_and_plot", "absent.fmu", ["argument fmu: absent.fmu cannot be read as an FMU", "absent.fmu"]),
+    ("run_and_plot", "text.fmu", ["argument fmu: text.fmu cannot be read as an FMU"]),
+    ("run_and_plot", "controller.fmu", ["controller.fmu is no FMU of a rig: it has no variable N2"]),
+    ("run_and_plot", "rig.fmu --normal-force -1", ["argument --normal-force: -1 N is below zero"]),
+    ("run_and_plot", "rig.fmu --stop 0", ["argument --stop: 0 is not above zero"]),
+    ("run_and_plot", "rig.fmu --out text.fmu", ["the folder text.fmu cannot be made: File exists"]),
+    ("change_parameters", "rig.fmu contact.mu 0.1", ["contact.mu is no parameter", "contact.mu_s"]),
+    ("change_parameters", "rig.fmu contact.mu_s fast", ["argument values: invalid number value: 'fast'"]),
+    ("change_parameters", "rig.fmu contact.mu_s 0.01", ["the FMU does not take contact.mu_s = 0.01", "mu_c = 0.12"]),
+    ("validate", "absent.csv rig.fmu", ["argument record: absent.csv cannot be read", "No such file"]),
+    ("validate", "columns.csv rig.fmu", ["columns.csv has no column N2, theta", "it has u, n2"]),
+    ("validate", "words.csv rig.fmu", ["words.csv: column N2 has something that is no finite number"]),
+    ("validate", "times.csv rig.fmu", ["times.csv: times must rise by the same interval"]),
+    ("study", "rig.fmu --speed-rpm 20 70 2.5 --normal-force 10 70 3", ["--speed-rpm: COUNT 2.5 is no whole number"]),
+    ("study", "rig.fmu --speed-rpm 20 70 3 --normal-force -10 70 3", ["--normal-force: -10 N is below zero"]),
+    ("study", "rig.fmu --speed-rpm 20 70 3 --normal-force 10 70 3 --workers 0", ["--workers: 0 is not 1 or more"]),
+]
+
+
+@pytest.fixture(scope="session")
+def bench(tmp_path_factory):
+    """A folder with a rig, a controller and files that are wrong in one thing each."""
+    folder = tmp_path_factory.mktemp("mistakes")
+    for model, name in [("reduced-rig", "rig"), ("soft-torque", "controller")]:
+        made = subprocess.run(
+            [PROGRAMS / "build-fmu", ROOT / "modelDescription" / f"{model}.toml", "--fmi", "2", "--out", folder],
+            check=True, capture_output=True, text=True,
+        )
+        pathlib.Path(made.stdout.split(" (")[0]).rename(folder / f"{name}.fmu")
+    (folder / "text.fmu").write_text("no archive")
+    head = "time,u,N2,theta,theta_dot,theta3,theta3_dot\n"
+    (folder / "columns.csv").write_text("time,u,n2\n0,1,2\n1,1,2\n")
+    (folder / "words.csv").write_text(head + "0,1,2,0,0,0,0\n1,1,strong,0,0,0,0\n")
+    (folder / "times.csv").write_text(head + "0,1,2,0,0,0,0\n1,1,2,0,0,0,0\n1.5,1,2,0,0,0,0\n")
+    return folder
+
+
+@pytest.mark.parametrize("script, arguments, expected", MISTAKES)
+def test_a_mistake_is_named_with_its_remedy(bench, script, arguments, expected):
+    words = arguments.split() + ([] if "--out" in arguments else ["--out", "out"])
+    result = subprocess.run(
+        [sys.executable, EXAMPLES / f"{script}.py", *words], capture_output=True, text=True, cwd=bench, timeout=120
+    )
+    assert result.returncode == 2, result.stdout + result.stderr
+    for part in expected:
+        assert part in result.stdout + result.stderr, result.stdout + result.stderr
+    assert "Traceback" not in result.stderr
+    assert not list((bench / "out").glob("*.csv"))
 
 
 def test_pandas_in_and_out_hold_inputs_between_rows(fmu):
@@ -188,6 +232,10 @@ def test_a_study_that_was_ended_goes_on_where_it_was(undisturbed, tmp_path):
     assert 3 <= len(before) < 40
     finished(study(tmp_path, fmu))
     pandas.testing.assert_frame_equal(rows(tmp_path), expected)
+    # Rows of other runs would be kept as if they were of these.
+    other = study(tmp_path, fmu, "--stop", "299")
+    assert "has the study of another FMU or another --stop" in other.communicate(timeout=60)[1]
+    assert other.returncode == 2
 
 
 def test_the_same_study_on_a_scheduler_by_its_address(undisturbed, tmp_path):
@@ -204,8 +252,6 @@ def test_the_same_study_on_a_scheduler_by_its_address(undisturbed, tmp_path):
             if address.exists():
                 break
             time.sleep(0.1)
-
-
         scheduler = json.loads(address.read_text())["address"]
         finished(study(tmp_path / "out", fmu, "--scheduler", scheduler))
     finally:

@@ -6,7 +6,7 @@ mod derivatives;
 mod log;
 mod states;
 
-use std::ffi::{CString, c_void};
+use std::ffi::{CStr, CString, c_void};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::{fs, ptr};
@@ -129,12 +129,24 @@ impl Component {
             early_return: early,
             ..self.request(version)
         };
+        self.instance(version, &request)
+    }
+
+    pub fn instantiate_named(&self, version: Version, name: &CStr) -> Instance<'_> {
+        let request = Request {
+            name: Some(name.to_owned()),
+            ..self.request(version)
+        };
+        self.instance(version, &request)
+    }
+
+    fn instance(&self, version: Version, request: &Request) -> Instance<'_> {
         let (handle, log) = request.send(version);
         assert!(!handle.is_null(), "{:?}", log.take());
         Instance {
             component: self,
             version,
-            event_mode: events,
+            event_mode: request.event_mode,
             handle,
             time: 0.0,
             log,

@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use build_fmu::explain::explain;
 use clap::Parser;
 use workbench::cli::{self, Cli, Outcome};
 
@@ -11,22 +12,8 @@ fn main() -> ExitCode {
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
         Ok(Outcome::Interrupted) => ExitCode::from(130),
         Err(error) => {
-            eprintln!("stickslip: {}", told_once(&error));
+            eprintln!("stickslip: {}", explain(error.as_ref()));
             ExitCode::from(2)
         }
     }
-}
-
-/// The error with its causes; a cause that is already in the words before it is not said again.
-fn told_once(error: &anyhow::Error) -> String {
-    let mut text = String::new();
-    for cause in error.chain().map(ToString::to_string) {
-        if text.is_empty() {
-            text = cause;
-        } else if !text.contains(&cause) {
-            text.push_str(": ");
-            text.push_str(&cause);
-        }
-    }
-    text
 }

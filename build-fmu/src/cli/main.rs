@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 use build_fmu::archive::write_atomically;
 use build_fmu::build::Source;
+use build_fmu::explain::explain;
 use build_fmu::library;
 use build_fmu::lint::{self, Loading, Package};
 use build_fmu::platform::{FmiVersion, Platform};
@@ -160,7 +161,7 @@ fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
-            eprintln!("build-fmu: {error:#}");
+            eprintln!("build-fmu: {}", explain(error.as_ref()));
             ExitCode::from(INPUT_ERROR)
         }
     }

@@ -7,9 +7,9 @@ const SPEED: Equations = Equations {
     title: "PI control of speed",
     source: "gains from the dissertation, Table 4.6, which prints them without unit and without control law",
     equations: &[
-        "e = ω_ref − θ_3' , on the motor's speed: e = η ( ω_ref − θ_3' )",
+        "e = ω_ref − θ_3' , {on the motor's speed:} e = η ( ω_ref − θ_3' )",
         "u = κ_p e + v , u_min ≤ u ≤ u_max",
-        "v' = κ_i e , held while u is at a limit and would be driven further out",
+        "v' = κ_i e , {held while} u {is at a limit and would be driven further out}",
     ],
 };
 
@@ -20,7 +20,7 @@ const SOFT_TORQUE: Equations = Equations {
     equations: &[
         "T_y y' = η K_T i − y",
         "u = K_E η ( ω_ref − y / Z_c ) + v , u_min ≤ u ≤ u_max",
-        "v' = K_E η a ( ω_ref − θ_3' ) , held while u is at a limit and would be driven further out",
+        "v' = K_E η a ( ω_ref − θ_3' ) , {held while} u {is at a limit and would be driven further out}",
         "1 / Z_c = 1 / Z − R / ( η^2 K_T K_E )",
     ],
 };

@@ -74,7 +74,7 @@ pub fn law(name: &str) -> Option<Equations> {
             "Leine, van Campen, de Kraker, van den Steen 1998",
             &[
                 "T_f = r N_2 ( μ_c + ( μ_s − μ_c ) exp ( − | θ_2' | / ω_s ) ) sign ( θ_2' ) , | θ_2' | > ω_tol",
-                "stuck: | θ_2' | ≤ ω_tol , | T_f | ≤ r N_2 μ_s , θ_2' decays at the given rate",
+                "stuck: | θ_2' | ≤ ω_tol , | T_f | ≤ r N_2 μ_s , θ_2' {decays at the given rate}",
             ],
         ),
         "wojewoda" => (
@@ -82,7 +82,7 @@ pub fn law(name: &str) -> Option<Equations> {
             "dissertation, Eqs 2-5 to 2-8",
             &[
                 "T_f = r N_2 ( μ_c ± ( μ_s − μ_c ) ( exp ( − | θ_2' | / ω_s ) + f_r ) ) sign ( θ_2' )",
-                "+ while speeding up, − while slowing down; f_r a seeded random function of the angle",
+                "+ {while speeding up,} − {while slowing down;} f_r {a seeded random function of the angle}",
                 STICK,
             ],
         ),

@@ -163,7 +163,7 @@ fn parameters(facts: &Facts<'_>, model: &toml::Table) -> String {
                 ("n", &start(variable)),
                 ("", variable.unit.as_deref().unwrap_or_default()),
                 ("", variable.variability.xml()),
-                ("", &variable.allowed()),
+                ("", &range(variable)),
                 ("", &variable.description),
                 ("", &status),
                 ("", &source),
@@ -181,6 +181,17 @@ fn parameters(facts: &Facts<'_>, model: &toml::Table) -> String {
         "Source",
     ];
     format!("<h2>Parameters</h2>\n{}", table(&headings, &rows))
+}
+
+/// The allowed values in few signs; the unit has a column of its own.
+fn range(variable: &Variable) -> String {
+    let above = if variable.above_minimum { ">" } else { "≥" };
+    match (variable.minimum, variable.maximum) {
+        (None, None) => "any".to_owned(),
+        (Some(low), None) => format!("{above} {low}"),
+        (None, Some(high)) => format!("≤ {high}"),
+        (Some(low), Some(high)) => format!("{above} {low}, ≤ {high}"),
+    }
 }
 
 /// Status and source that `model.toml` gives for the dotted name `section.key`; empty where it gives none.

@@ -67,6 +67,16 @@ pub enum SystemError {
         /// Another one.
         second: String,
     },
+    /// A start value of which there is one already.
+    #[error("{name} = {value}: it has the start value {first} already; one is needed")]
+    Twice {
+        /// The variable.
+        name: String,
+        /// The value.
+        value: f64,
+        /// The earlier value.
+        first: f64,
+    },
     /// A value that the variable does not allow.
     #[error("{name} = {value}: {allowed} is needed")]
     Value {
@@ -144,7 +154,7 @@ impl System {
     /// Gives a free input or a parameter, with or without the name of its component, a start value.
     ///
     /// # Errors
-    /// [`SystemError`] if there is no such variable or it does not allow the value.
+    /// [`SystemError`] if there is no such variable, it has a start value already or does not allow this one.
     pub fn start(&mut self, name: &str, value: f64) -> Result<(), SystemError> {
         let found: Vec<(usize, Variable)> = (0..self.components.len())
             .flat_map(|place| {
@@ -181,6 +191,17 @@ impl System {
                 name: name.to_owned(),
                 value,
                 allowed: variable.allowed(),
+            });
+        }
+        let earlier = self
+            .starts(*place)
+            .find(|(known, _)| known.name == variable.name)
+            .map(|(_, first)| first);
+        if let Some(first) = earlier {
+            return Err(SystemError::Twice {
+                name: name.to_owned(),
+                value,
+                first,
             });
         }
         self.starts.push((*place, variable.name.clone(), value));
@@ -318,6 +339,10 @@ mod tests {
             SystemError::Value { .. }
         ));
         system.start("SoftTorque.gearbox.ratio", 9.0).unwrap();
+        assert!(matches!(
+            system.start("SoftTorque.gearbox.ratio", 8.0),
+            Err(SystemError::Twice { first: 9.0, .. })
+        ));
         assert_eq!(system.starts(1).count(), 1);
     }
 }

@@ -29,11 +29,19 @@ pub struct ClosedLoopArguments {
     /// Normal force N2 on disc D2 [N]: from:to:count or one value.
     #[arg(long, allow_hyphen_values = true)]
     pub normal_force: Span,
+    /// Normal force N1 on disc D1 [N], for the full rig.
+    #[arg(long, allow_negative_numbers = true)]
+    pub normal_force_1: Option<f64>,
     /// Time between exchanges of rig and controller [s]; several, with commas, give a table over them.
-    #[arg(long, value_delimiter = ',', default_value = "0.002")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "0.002",
+        allow_hyphen_values = true
+    )]
     pub communication_step: Vec<f64>,
     /// Length of each run [s]; its last third is judged.
-    #[arg(long, default_value_t = 60.0)]
+    #[arg(long, default_value_t = 60.0, allow_negative_numbers = true)]
     pub duration: f64,
     /// Threads; all cores if not given.
     #[arg(long)]
@@ -66,6 +74,12 @@ impl ClosedLoopArguments {
             ensure!(
                 force >= 0.0,
                 "--normal-force {force}: 0 N or more is needed"
+            );
+        }
+        if let Some(force) = self.normal_force_1 {
+            ensure!(
+                force.is_finite() && force >= 0.0,
+                "--normal-force-1 {force}: 0 N or more is needed"
             );
         }
         Ok(())

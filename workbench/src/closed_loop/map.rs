@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::fs;
 
+use build_fmu::explain::explain;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::arguments::ClosedLoopArguments;
@@ -20,6 +21,7 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
     let conditions = |row: usize, column: usize| Conditions {
         speed_rpm: speeds[column],
         normal_force: forces[row % forces.len()],
+        normal_force_1: arguments.normal_force_1,
         step: arguments.communication_step[0],
         duration: arguments.duration,
     };
@@ -92,7 +94,7 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
         })
         .find(|(_, _, point)| point.motion.is_none());
     if let Some((row, column, _)) = failed {
-        let reason = one(row, column).err().map(|error| format!("{error:#}"));
+        let reason = one(row, column).err().map(|error| explain(error.as_ref()));
         eprintln!(
             "runs failed; in map.csv their motion is `failed`. The first: {}",
             reason.unwrap_or_default()
@@ -105,10 +107,11 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
 /// What makes two maps the same: all settings and the models.
 fn identity(arguments: &ClosedLoopArguments) -> anyhow::Result<String> {
     let mut text = format!(
-        "closed loop, version {}; {:?}; {:?}; step {:?}; duration {:?}",
+        "closed loop, version {}; {:?}; {:?}; {:?}; step {:?}; duration {:?}",
         env!("CARGO_PKG_VERSION"),
         arguments.speed_rpm,
         arguments.normal_force,
+        arguments.normal_force_1,
         arguments.communication_step,
         arguments.duration
     );

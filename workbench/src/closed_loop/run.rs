@@ -41,6 +41,8 @@ pub struct Conditions {
     pub speed_rpm: f64,
     /// Normal force on disc D2 [N].
     pub normal_force: f64,
+    /// Normal force on disc D1 [N], for the full rig.
+    pub normal_force_1: Option<f64>,
     /// Time between exchanges [s].
     pub step: f64,
     /// Length [s].
@@ -74,6 +76,14 @@ pub fn run(
 ) -> anyhow::Result<Samples> {
     let speed = conditions.speed_rpm * PI / 30.0;
     let rig = component::open(rig)?;
+    match (position(&*rig, "N1"), conditions.normal_force_1) {
+        (Ok(_), None) => bail!(
+            "{} is a full rig: --normal-force-1 is needed too",
+            rig.title()
+        ),
+        (Err(_), Some(_)) => bail!("--normal-force-1: {} has no disc D1", rig.title()),
+        _ => {}
+    }
     let mut circuit = match case {
         Case::ConstantVoltage => {
             let voltage = voltage_for_speed(&*rig, speed)?;
@@ -88,6 +98,9 @@ pub fn run(
         }
     };
     circuit.set("N2", conditions.normal_force)?;
+    if let Some(force) = conditions.normal_force_1 {
+        circuit.set("N1", force)?;
+    }
     let steps = (conditions.duration / conditions.step).round() as usize;
     circuit.initialise(steps as f64 * conditions.step)?;
     let names = ["theta_dot", "theta3_dot", "u", "stuck"];

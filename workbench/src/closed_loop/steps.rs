@@ -41,6 +41,7 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
         let conditions = Conditions {
             speed_rpm: arguments.speed_rpm.values()[0],
             normal_force: arguments.normal_force.values()[0],
+            normal_force_1: arguments.normal_force_1,
             step: *step,
             duration: arguments.duration,
         };

@@ -30,13 +30,13 @@ pub struct CrossCheckArguments {
     #[arg(long, allow_negative_numbers = true)]
     speed_rpm: f64,
     /// Normal force N2 on disc D2 [N].
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     normal_force: f64,
     /// Normal force N1 on disc D1 [N], for the full rig.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     normal_force_1: Option<f64>,
     /// Length of the run [s].
-    #[arg(long, default_value_t = 60.0)]
+    #[arg(long, default_value_t = 60.0, allow_negative_numbers = true)]
     duration: f64,
     /// The library to pack; without it the one beside this program.
     #[arg(long, value_name = "FILE")]
@@ -62,6 +62,11 @@ pub fn command(arguments: &CrossCheckArguments) -> anyhow::Result<Outcome> {
             );
         }
     }
+    ensure!(
+        arguments.duration.is_finite() && arguments.duration >= STEP,
+        "--duration {}: {STEP} s or more is needed, the time between the rows of the reference",
+        arguments.duration
+    );
     ensure!(
         arguments.speed_rpm.is_finite(),
         "--speed-rpm {}: a finite number is needed",

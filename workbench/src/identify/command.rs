@@ -32,10 +32,10 @@ enum Test {
         #[arg(long)]
         column: String,
         /// Swings smaller than this are left out [rad].
-        #[arg(long)]
+        #[arg(long, allow_negative_numbers = true)]
         smallest: f64,
         /// Inertia of the body that swings [kg m²]; with it stiffness and damping are given.
-        #[arg(long)]
+        #[arg(long, allow_negative_numbers = true)]
         inertia: Option<f64>,
     },
     /// The strongest peaks of the amplitude spectrum (columns `time` [s] and the one named).
@@ -49,7 +49,7 @@ enum Test {
         #[arg(long, default_value_t = 3)]
         peaks: usize,
         /// Lowest frequency of a peak [Hz].
-        #[arg(long, default_value_t = 0.05)]
+        #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
         lowest: f64,
     },
 }

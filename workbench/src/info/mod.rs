@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use stickslip::plant::{ModelFile, Provenance, RigKind};
+use stickslip::controller::{ControlLaw, is_controller};
+use stickslip::plant::{ModelFile, ModelFileError, Provenance, RigKind};
 
 use crate::cli::Outcome;
 use crate::component::{
@@ -39,20 +40,40 @@ pub fn command(arguments: &InfoArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Describes a model file: rig, laws, effects, variables, and every parameter with where its number comes from.
+/// Describes a model file: rig, laws and effects or the controller, variables, and every parameter with where its number
+/// comes from.
 fn describe_model(path: &Path) -> anyhow::Result<String> {
     let text =
         fs::read_to_string(path).with_context(|| format!("{}: cannot be read", path.display()))?;
     let name = path.display().to_string();
-    let mut out = format!("{name} ({} bytes)\n\n", text.len());
-    out += &describe_structure(&ModelFile::parse(&text, &name)?);
+    let (structure, provenance) = describe_structure(&text, &name)?;
     let native = Native::from_text(&text, &name)?;
-    let model = ModelFile::parse(&text, &name)?;
-    out += &describe_variables(native.variables(), &model.provenance);
-    Ok(out)
+    let variables = describe_variables(native.variables(), &provenance);
+    Ok(format!(
+        "{name} ({} bytes)\n\n{structure}\n{variables}",
+        text.len()
+    ))
 }
 
-fn describe_structure(model: &ModelFile) -> String {
+/// What the text of a model file describes, and where its numbers come from.
+fn describe_structure(
+    text: &str,
+    name: &str,
+) -> Result<(String, BTreeMap<String, Provenance>), ModelFileError> {
+    if is_controller(text) {
+        let law = match ControlLaw::from_toml(text, name)? {
+            ControlLaw::Speed(_) => "proportional and integral, on the speed",
+            ControlLaw::SoftTorque(_) => {
+                "soft torque: yields to the torque as a matched damper would"
+            }
+        };
+        return Ok((format!("control  {law}\n"), BTreeMap::new()));
+    }
+    let model = ModelFile::parse(text, name)?;
+    Ok((describe_rig(&model), model.provenance))
+}
+
+fn describe_rig(model: &ModelFile) -> String {
     let rig = &model.rig;
     let kind = match rig.kind() {
         RigKind::Reduced => "reduced: motor, gearbox, shaft, disc D2",
@@ -65,7 +86,7 @@ fn describe_structure(model: &ModelFile) -> String {
     }
     let _ = writeln!(
         text,
-        "effects  {}\n",
+        "effects  {}",
         if effects.is_empty() {
             "none".to_owned()
         } else {
@@ -103,10 +124,10 @@ fn describe_fmu(path: &Path) -> anyhow::Result<String> {
     let mut provenance = BTreeMap::new();
     let model_file = archive.directory().join("resources/model.toml");
     if let Ok(text) = fs::read_to_string(&model_file)
-        && let Ok(model) = ModelFile::parse(&text, "resources/model.toml")
+        && let Ok((structure, sources)) = describe_structure(&text, "resources/model.toml")
     {
-        out += &describe_structure(&model);
-        provenance = model.provenance;
+        out += &structure;
+        provenance = sources;
     }
     out.push('\n');
     out += &describe_variables(&description.variables, &provenance);

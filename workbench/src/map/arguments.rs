@@ -5,8 +5,9 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use clap::Args;
+use stickslip::controller::is_controller;
 
 use super::settings::{Quantity, Settings};
 use super::span::Span;
@@ -20,19 +21,19 @@ pub struct MapArguments {
     #[arg(long, allow_hyphen_values = true)]
     pub speed_rpm: Span,
     /// Normal force N2 on disc D2 [N]: from:to:count or one value.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pub normal_force: Span,
     /// Normal force N1 on disc D1 [N], for the full rig: from:to:count or one value.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pub normal_force_1: Option<Span>,
     /// A parameter of the model, such as contact.mu_s=0.1:0.3:21; may be repeated.
     #[arg(long, value_name = "NAME=FROM:TO:COUNT")]
     pub vary: Vec<Variation>,
     /// Length of each run [s]; its last third is judged.
-    #[arg(long, default_value_t = 60.0)]
+    #[arg(long, default_value_t = 60.0, allow_negative_numbers = true)]
     pub duration: f64,
     /// Local tolerance of the integrator.
-    #[arg(long, default_value_t = 1e-9)]
+    #[arg(long, default_value = "1e-9", allow_negative_numbers = true)]
     pub tolerance: f64,
     /// Threads; all cores if not given.
     #[arg(long)]
@@ -67,8 +68,18 @@ impl MapArguments {
     /// The runs that were asked for.
     pub(super) fn settings(&self) -> anyhow::Result<Settings> {
         let path = &self.model;
+        ensure!(
+            path.extension().is_none_or(|extension| extension != "fmu"),
+            "{} is an FMU; a map is made from its model file, which is in it as resources/model.toml",
+            path.display()
+        );
         let text = fs::read_to_string(path)
             .with_context(|| format!("{}: cannot be read", path.display()))?;
+        ensure!(
+            !is_controller(&text),
+            "{} is a controller; a map is made of a rig (with controllers: stickslip closed-loop)",
+            path.display()
+        );
         let mut spans = vec![
             (Quantity::SpeedRpm, self.speed_rpm),
             (Quantity::NormalForce, self.normal_force),

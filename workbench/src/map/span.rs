@@ -17,10 +17,13 @@ impl Span {
         match self.count {
             1 => vec![self.from],
             count => (0..count)
-                // Weighting both ends meets both exactly.
-                .map(|index| {
-                    let share = index as f64 / (count - 1) as f64;
-                    self.from * (1.0 - share) + self.to * share
+                .map(|index| match (index, count - 1 - index) {
+                    (0, _) => self.from,
+                    (_, 0) => self.to,
+                    // One rounding, at the end: 5:60:23 has 7.5, not a neighbour of it.
+                    (below, above) => {
+                        (self.from * above as f64 + self.to * below as f64) / (count - 1) as f64
+                    }
                 })
                 .collect(),
         }
@@ -77,6 +80,10 @@ mod tests {
             (56, 5.0, 55.0, 60.0)
         );
         assert_eq!("55".parse::<Span>().unwrap().values(), [55.0]);
+        let halves = "5:60:23".parse::<Span>().unwrap().values();
+        assert!(halves.iter().all(|value| (2.0 * value).fract() == 0.0));
+        let falling = "0.3:0.1:3".parse::<Span>().unwrap().values();
+        assert_eq!(falling, [0.3, 0.2, 0.1]);
         for wrong in [
             "", "1:2", "1:2:1", "1:1:5", "1:2:x", "a:2:5", "1:2:3:4", "inf",
         ] {

@@ -164,11 +164,15 @@ impl HeatMap {
                     svg.cell(x, top, width, height, &colour);
                 }
                 svg.frame(x, plot.y, width, plot.height);
+                let mut longest = 0;
                 for (value, text) in linear_ticks(low, high, (plot.height / 45.0) as usize) {
+                    longest = longest.max(text.chars().count());
                     let y = plot.y + plot.height * (1.0 - (value - low) / (high - low));
                     svg.text((x + width + 5.0, y + 4.0), Anchor::Start, &text);
                 }
-                svg.text_upward((x + width + 62.0, plot.y + plot.height / 2.0), label);
+                // Near enough to the bar not to pass for the axis of the panel beside it.
+                let room = (24.0 + 7.5 * longest as f64).min(62.0);
+                svg.text_upward((x + width + room, plot.y + plot.height / 2.0), label);
             }
         }
     }

@@ -23,16 +23,16 @@ pub struct SimulateArguments {
     #[arg(long, requires = "normal_force", allow_negative_numbers = true)]
     pub speed_rpm: Option<f64>,
     /// Normal force N2 on disc D2 [N].
-    #[arg(long, requires = "speed_rpm")]
+    #[arg(long, requires = "speed_rpm", allow_negative_numbers = true)]
     pub normal_force: Option<f64>,
     /// Normal force N1 on disc D1 [N], for the full rig.
-    #[arg(long, requires = "speed_rpm")]
+    #[arg(long, requires = "speed_rpm", allow_negative_numbers = true)]
     pub normal_force_1: Option<f64>,
     /// Length of the run [s]; without it that of the inputs, or 60.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub duration: Option<f64>,
     /// Time between the rows of the result [s].
-    #[arg(long, default_value_t = 0.01)]
+    #[arg(long, default_value_t = 0.01, allow_negative_numbers = true)]
     pub step: f64,
     /// A parameter's value, such as disc.inertia=0.015; may be repeated.
     #[arg(long, value_name = "NAME=VALUE")]
@@ -71,9 +71,16 @@ impl FromStr for Setting {
 /// Gives a component's parameters their values.
 ///
 /// # Errors
-/// A name that is no parameter's, or a value that the component refuses.
+/// A name that is no parameter's or was given twice, or a value that the component refuses.
 pub fn apply_settings(component: &mut dyn Component, settings: &[Setting]) -> anyhow::Result<()> {
-    for setting in settings {
+    for (place, setting) in settings.iter().enumerate() {
+        ensure!(
+            settings[..place]
+                .iter()
+                .all(|other| other.name != setting.name),
+            "--set {} was given twice; one value is needed",
+            setting.name
+        );
         let position = component::position(component, &setting.name)?;
         let role = component.variables()[position].role;
         ensure!(
@@ -126,7 +133,6 @@ impl SimulateArguments {
                 let settings = |name: &str| {
                     self.set
                         .iter()
-                        .rev()
                         .find(|setting| setting.name == name)
                         .map(|setting| setting.value)
                 };

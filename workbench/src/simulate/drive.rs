@@ -18,11 +18,21 @@ pub enum DriveError {
         /// What is wrong, with the nearest name.
         source: ComponentError,
     },
+    /// A column names a parameter.
+    #[error(
+        "{file}: column `{name}` is a parameter, which no record can vary; give it one value with --set or in the model file"
+    )]
+    Parameter {
+        /// The record.
+        file: String,
+        /// The column.
+        name: String,
+    },
     /// An input has no column.
     #[error("{0}; every input of the component needs one")]
     MissingColumn(RecordError),
     /// The parameters for the voltage are not all there.
-    #[error("--speed-rpm needs the parameter {name}: {source}")]
+    #[error("--speed-rpm needs a rig with the parameter {name}: {source}")]
     NoVoltage {
         /// The parameter.
         name: &'static str,
@@ -56,13 +66,20 @@ impl Drive {
     /// drive a run as it is.
     ///
     /// # Errors
-    /// [`DriveError`] where a column names nothing in the component or an input has no column.
+    /// [`DriveError`] where a column names nothing in the component or a parameter, or an input has no column.
     pub fn from_record(component: &dyn Component, record: &Record) -> Result<Self, DriveError> {
         for name in record.names() {
-            component::position(component, name).map_err(|source| DriveError::Column {
-                file: record.source().to_owned(),
-                source,
-            })?;
+            let position =
+                component::position(component, name).map_err(|source| DriveError::Column {
+                    file: record.source().to_owned(),
+                    source,
+                })?;
+            if component.variables()[position].role == Role::Parameter {
+                return Err(DriveError::Parameter {
+                    file: record.source().to_owned(),
+                    name: name.to_owned(),
+                });
+            }
         }
         let inputs = inputs(component);
         let columns = inputs

@@ -25,6 +25,9 @@ use crate::component;
 /// Whatever is wrong with the arguments, the model or the inputs.
 pub fn command(arguments: &SimulateArguments) -> anyhow::Result<Outcome> {
     let mut component = component::open(&arguments.model)?;
+    component::position(component.as_ref(), "theta_dot").context(
+        "a rig is needed, whose disc is looked at; controllers run in stickslip closed-loop",
+    )?;
     apply_settings(component.as_mut(), &arguments.set)?;
     let drive = arguments.drive(component.as_ref())?;
     let schedule = Schedule::new(

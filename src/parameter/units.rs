@@ -140,6 +140,31 @@ impl Unit {
     }
 }
 
+/// Whether a number that people give in `written` is one in `unit`, without conversion: spaces, `*` and `·` may stand for
+/// products, `^` and raised digits for exponents, `-` for no unit, and radians may be left out. Hertz counts turns, not
+/// radians, and is no other unit than itself.
+pub(crate) fn is_same(written: &str, unit: &str) -> bool {
+    let spelled = match written.trim() {
+        "" | "-" => "1".to_owned(),
+        other => other
+            .replace([' ', '*', '·'], ".")
+            .replace('^', "")
+            .replace('²', "2")
+            .replace('³', "3")
+            .replace('Ω', "Ohm")
+            .replace("./", "/")
+            .replace("/.", "/"),
+    };
+    if spelled.contains("Hz") != unit.contains("Hz") {
+        return false;
+    }
+    let measure = |name: &str| {
+        let base = Unit::parse(name).ok()?.base;
+        Some(BaseUnit { rad: 0, ..base })
+    };
+    measure(&spelled).is_some_and(|base| Some(base) == measure(unit))
+}
+
 /// A unit name that cannot be read.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error(
@@ -193,6 +218,43 @@ mod tests {
         let unit = Unit::parse("rad/s").unwrap();
         let one_turn_per_second = 2.0 * std::f64::consts::PI * unit.display_units[0].factor;
         assert!((one_turn_per_second - 60.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_same_unit_has_many_spellings() {
+        for (written, unit) in [
+            ("kg m2", "kg.m2"),
+            ("kg·m²", "kg.m2"),
+            ("kg*m^2", "kg.m2"),
+            ("N m s/rad", "N.m.s/rad"),
+            ("N m / rad", "N.m/rad"),
+            ("N m", "N.m/rad"),
+            ("V/A", "Ohm"),
+            ("Ω", "Ohm"),
+            ("ohm", "Ohm"),
+            ("-", "1"),
+            ("rad", "1"),
+            ("Hz", "Hz"),
+        ] {
+            assert!(is_same(written, unit), "{written} {unit}");
+        }
+    }
+
+    #[test]
+    fn what_would_need_a_conversion_is_another_unit() {
+        for (written, unit) in [
+            ("g cm2", "kg.m2"),
+            ("kg m", "kg.m2"),
+            ("mm", "m"),
+            ("rpm", "rad/s"),
+            ("deg", "rad"),
+            ("Hz", "1/s"),
+            ("mH", "H"),
+            ("%", "1"),
+            ("N m", "N"),
+        ] {
+            assert!(!is_same(written, unit), "{written} {unit}");
+        }
     }
 
     #[test]
