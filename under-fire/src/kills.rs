@@ -30,7 +30,31 @@ struct Job {
     share: f64,
 }
 
-/// Kills programs `kills` times in all, with whole old files in place, none, or what the run before left. The fourth,
+/// Effects that the killed diagnosis chooses among: with all of them it would take minutes.
+const CANDIDATES: [&str; 2] = ["unbalance", "normal_force_wobble"];
+
+/// A calibration of a second or two.
+const TARGET: &str = "[search]
+seed = 3
+starts = 1
+population = 8
+generations = 10
+smallest_loop_margin = 0.0
+[[parameter]]
+name = \"contact.mu_c\"
+minimum = 0.05
+maximum = 0.15
+[[parameter]]
+name = \"contact.mu_s\"
+minimum = 0.16
+maximum = 0.3
+[[point]]
+speed_rpm = 55.0
+normal_force = 50.0
+frequency_hz = { value = 0.73, bar = 0.05 }
+";
+
+/// Kills programs `kills` times in all, with whole old files in place, none, or what the run before left. The last,
 /// `diagnose`, takes by far the longest.
 ///
 /// # Errors
@@ -61,7 +85,15 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
         command.args(arguments);
         command
     };
+    let target = place.join("target.toml");
+    fs::write(&target, TARGET)?;
+    let without = all_effects(&stickslip)?
+        .into_iter()
+        .filter(|name| !CANDIDATES.contains(&name.as_str()))
+        .flat_map(|name| ["--without".to_owned(), name]);
+    let without: Vec<String> = without.collect();
     let (map_model, map_program) = (model.clone(), stickslip.clone());
+    let (calibrate_model, calibrate_program) = (model.clone(), stickslip.clone());
     let (experiment_program, diagnose_program) = (stickslip.clone(), stickslip);
     Ok(vec![
         Job {
@@ -72,7 +104,7 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 Ok(made)
             }),
             resumes: false,
-            share: 0.35,
+            share: 0.3,
         },
         Job {
             name: "map",
@@ -89,7 +121,18 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 Ok(made)
             }),
             resumes: true,
-            share: 0.3,
+            share: 0.25,
+        },
+        Job {
+            name: "calibrate",
+            command: Box::new(move |out| {
+                let mut made = command(&calibrate_program, &["calibrate", "--model"]);
+                made.arg(&calibrate_model).arg("--target").arg(&target);
+                made.arg("--out").arg(out);
+                Ok(made)
+            }),
+            resumes: true,
+            share: 0.1,
         },
         Job {
             name: "experiment",
@@ -104,19 +147,35 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 Ok(made)
             }),
             resumes: false,
-            share: 0.25,
+            share: 0.2,
         },
         Job {
             name: "diagnose",
             command: Box::new(move |out| {
                 let mut made = command(&diagnose_program, &["diagnose"]);
-                made.arg(&case).arg("--out").arg(out);
+                made.arg(&case).arg("--out").arg(out).args(&without);
                 Ok(made)
             }),
             resumes: false,
-            share: 0.1,
+            share: 0.15,
         },
     ])
+}
+
+/// Names of all effects, from the program that knows them.
+fn all_effects(stickslip: &Path) -> Result<Vec<String>> {
+    let output = Command::new(stickslip).arg("effects").output()?;
+    let names = String::from_utf8(output.stdout)?
+        .lines()
+        .filter_map(|line| line.split_whitespace().next().map(str::to_owned))
+        .collect::<Vec<_>>();
+    ensure!(
+        CANDIDATES
+            .iter()
+            .all(|name| names.iter().any(|found| found == name)),
+        "`stickslip effects` does not list {CANDIDATES:?}"
+    );
+    Ok(names)
 }
 
 fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<String> {

@@ -131,6 +131,9 @@ pub struct Sought {
     pub maximum: f64,
 }
 
+/// Most starts, members and generations of a search: above, it is a slip of the pen.
+const MOST: usize = 100_000;
+
 /// How the search is done.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -198,10 +201,18 @@ impl Target {
                 "at least one of each is needed",
             );
         }
-        if target.search.population < 5 || target.search.starts == 0 {
+        let search = &target.search;
+        let sizes = [search.starts, search.population, search.generations];
+        if search.population < 5 || search.starts == 0 || sizes.iter().any(|size| *size > MOST) {
             return refuse(
                 "[search]".to_owned(),
-                "population must be at least 5 and starts at least 1",
+                "population must be at least 5, starts at least 1, both and generations at most 100000",
+            );
+        }
+        if !search.smallest_loop_margin.is_finite() {
+            return refuse(
+                "[search]".to_owned(),
+                "smallest_loop_margin must be a finite number",
             );
         }
         for transition in &target.transition {
@@ -238,14 +249,23 @@ impl Target {
                     "disc D1 and normal_force_1 need a model with [disc1], [shaft1] and [contact1]",
                 );
             }
-            if goals
-                .iter()
-                .flatten()
-                .any(|goal| goal.value == 0.0 || goal.bar <= 0.0 || goal.weight < 0.0)
+            let right = |value: f64| value.is_finite() && value >= 0.0;
+            if ![point.speed_rpm, point.normal_force, point.normal_force_1]
+                .into_iter()
+                .all(right)
             {
                 return refuse(
                     place,
-                    "a goal needs a value other than 0, a bar above 0 and a weight of at least 0",
+                    "speed and normal forces must be finite and at least 0",
+                );
+            }
+            if !goals.iter().flatten().all(|goal| {
+                let bar = right(goal.bar) && goal.bar > 0.0;
+                bar && right(goal.weight) && goal.value.is_finite() && goal.value != 0.0
+            }) {
+                return refuse(
+                    place,
+                    "a goal needs a finite value other than 0, a bar above 0 and a weight of at least 0",
                 );
             }
             if goals.iter().all(Option::is_none) && point.sticking.is_none() {
