@@ -169,16 +169,17 @@ impl Expectation {
             )
         };
         let all = categories.is_empty() || categories.contains(&"logAll");
-        self.logging = on;
-        self.categories = (!all).then(|| categories.iter().copied().filter(known).collect());
-        if categories
+        let sound = categories
             .iter()
-            .all(|name| known(name) || *name == "logAll")
-        {
-            DONE
-        } else {
-            Err(Status::Warning)
-        }
+            .all(|name| known(name) || *name == "logAll");
+        // Of names that there are not an importer hears, whatever else it chose.
+        let told = (!sound).then_some("logStatusWarning");
+        self.logging = on;
+        self.categories = (!all).then(|| {
+            let chosen = categories.iter().copied().filter(known);
+            chosen.chain(told).collect()
+        });
+        if sound { DONE } else { Err(Status::Warning) }
     }
 
     /// The row behind a value reference, of the asked type.

@@ -60,9 +60,7 @@ fn writers(place: &Path) -> Vec<Vec<String>> {
         format!("stickslip map --speed-rpm 20:60:6 --normal-force 0:70:6 --out {{out}} {model}"),
         format!("stickslip closed-loop {model} --controller {controller} {at} --out {{out}}"),
         format!("stickslip cross-check {model} {at} --out {{out}}"),
-        format!(
-            "stickslip experiment run fig-3.5 --document {{out}}/reproduction.md --out {{out}}"
-        ),
+        "stickslip experiment run fig-3.5 --document {out}/reproduction.md --out {out}".to_owned(),
         format!("stickslip locate {case} --out {{out}}"),
     ]
     .iter()

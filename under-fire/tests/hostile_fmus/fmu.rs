@@ -57,7 +57,8 @@ impl Fmu {
     }
 }
 
-/// Gives the FMU to `stickslip info`, `stickslip simulate` and `build-fmu check`, and looks at what they say and take.
+/// Gives the FMU to every command that opens one, and looks at what they say and take; to `info`, which runs nothing in it,
+/// only where that is to refuse it too.
 pub fn refused(fmu: &Path, by_info: bool, reasons: &[&str]) {
     let out = fmu.with_extension("out");
     let stickslip = program::find("stickslip").unwrap();
@@ -67,11 +68,19 @@ pub fn refused(fmu: &Path, by_info: bool, reasons: &[&str]) {
         .arg(fmu)
         .args(["--speed-rpm", "55", "--normal-force", "50", "--out"])
         .arg(&out);
+    let mut closed_loop = Command::new(&stickslip);
+    closed_loop
+        .arg("closed-loop")
+        .arg(fmu)
+        .arg("--controller")
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription/soft-torque.toml"))
+        .args(["--speed-rpm", "55", "--normal-force", "50", "--out"])
+        .arg(&out);
     let mut check = Command::new(program::find("build-fmu").unwrap());
     check.arg("check").arg(fmu);
     let mut info = Command::new(&stickslip);
     info.arg("info").arg(fmu);
-    let mut commands = vec![("simulate", simulate, 2)];
+    let mut commands = vec![("simulate", simulate, 2), ("closed-loop", closed_loop, 2)];
     if by_info {
         commands.push(("info", info, 2));
     }
