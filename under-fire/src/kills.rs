@@ -63,12 +63,11 @@ pub fn kills(kills: usize, seed: u64, source_tree: &Path, with_diagnose: bool) -
     let place = tempfile::tempdir()?;
     let mut random = Random::new(seed);
     let mut lines = Vec::new();
-    let jobs = jobs(place.path(), source_tree)?;
-    for job in jobs
-        .iter()
-        .filter(|job| with_diagnose || job.name != "diagnose")
-    {
-        let count = (job.share * kills as f64).round() as usize;
+    let mut jobs = jobs(place.path(), source_tree)?;
+    jobs.retain(|job| with_diagnose || job.name != "diagnose");
+    let shares: f64 = jobs.iter().map(|job| job.share).sum();
+    for job in &jobs {
+        let count = (job.share / shares * kills as f64).round() as usize;
         lines.push(killed(job, place.path(), count.max(1), &mut random)?);
     }
     Ok(lines.join("; "))
