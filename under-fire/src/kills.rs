@@ -24,6 +24,8 @@ struct Job {
     name: &'static str,
     /// Makes the command that writes into a directory.
     command: Box<MakesCommand>,
+    /// A command that writes what this one has written halfway, if it replaces that later.
+    halfway: Option<Box<MakesCommand>>,
     /// Whether a run goes on where the one before was killed.
     resumes: bool,
     /// Share of all kills.
@@ -93,7 +95,9 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
     let without: Vec<String> = without.collect();
     let (map_model, map_program) = (model.clone(), stickslip.clone());
     let (calibrate_model, calibrate_program) = (model.clone(), stickslip.clone());
-    let (experiment_program, diagnose_program) = (stickslip.clone(), stickslip);
+    let (name_case, name_without) = (case.clone(), without.clone());
+    let (experiment_program, diagnose_program) = (stickslip.clone(), stickslip.clone());
+    let name_program = stickslip;
     Ok(vec![
         Job {
             name: "build-fmu",
@@ -102,6 +106,7 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 made.arg(&model).arg("--out").arg(out);
                 Ok(made)
             }),
+            halfway: None,
             resumes: false,
             share: 0.3,
         },
@@ -119,6 +124,7 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 made.arg("--out").arg(out).arg(&map_model);
                 Ok(made)
             }),
+            halfway: None,
             resumes: true,
             share: 0.25,
         },
@@ -130,6 +136,7 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 made.arg("--out").arg(out);
                 Ok(made)
             }),
+            halfway: None,
             resumes: true,
             share: 0.1,
         },
@@ -145,6 +152,7 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 made.arg("--out").arg(out).arg("--document").arg(&copy);
                 Ok(made)
             }),
+            halfway: None,
             resumes: false,
             share: 0.2,
         },
@@ -155,6 +163,15 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 made.arg(&case).arg("--out").arg(out).args(&without);
                 Ok(made)
             }),
+            // The finding is written when something is named, and again with before and after.
+            halfway: Some(Box::new(move |out| {
+                let mut made = command(&name_program, &["name"]);
+                made.arg(&name_case)
+                    .arg("--out")
+                    .arg(out)
+                    .args(&name_without);
+                Ok(made)
+            })),
             resumes: false,
             share: 0.15,
         },
@@ -188,6 +205,12 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
     );
     let duration = begin.elapsed();
     let new = files(&whole)?;
+    let mut between = Files::new();
+    if let Some(command) = &job.halfway {
+        let part = place.join(format!("{}-halfway", job.name));
+        quiet(command(&part)?).status()?;
+        between = files(&part)?;
+    }
     let old: Files = new
         .keys()
         .map(|name| (name.clone(), b"an older result".to_vec()))
@@ -221,7 +244,10 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
                 complete &= !journal;
                 continue;
             }
-            if new.get(&name) != Some(&found) && old.get(&name) != Some(&found) {
+            let whole = [&new, &old, &between]
+                .iter()
+                .any(|files| files.get(&name) == Some(&found));
+            if !whole {
                 bail!(
                     "{}, kill {kill}: {} is neither old nor new ({} bytes)",
                     job.name,
