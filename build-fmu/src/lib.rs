@@ -18,3 +18,4 @@ pub mod model_description;
 pub mod platform;
 pub mod ssp;
 pub mod symbols;
+pub mod zip_directory;

@@ -2,29 +2,53 @@
 //! out.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use build_fmu::binary_header;
 use build_fmu::lint::{self, Loading, Package};
+use build_fmu::platform::FmiVersion;
+use build_fmu::symbols;
 use stickslip::cosim::state::{seal, unseal};
 use stickslip::cosim::{StateReader, open};
+use stickslip::plant::Rig;
+use workbench::calibrate::journal::Journal as Judgements;
+use workbench::calibrate::target::Target as Calibration;
 use workbench::component::Fmu;
+use workbench::diagnose::case::{Case, CaseArguments};
+use workbench::diagnose::finding::{self, Finding};
 use workbench::diagnose::sensors::Sensors;
+use workbench::diagnose::small_plant::finding::SmallFinding;
+use workbench::diagnose::small_plant::model_file::SmallModel;
+use workbench::diagnose::{amend, console};
 use workbench::files::record::{Missing, Record};
+use workbench::map::Journal;
 
 /// The component whose states are fuzzed.
 const REDUCED_RIG: &str = include_str!("../../modelDescription/reduced-rig.toml");
+/// A rig with the law that calibrations are about.
+const TWO_GAUSSIAN_RIG: &str = include_str!("../../workbench/targets/eq-6-2-rig.toml");
+/// A case for findings to be about.
+const CASE: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../workbench/tests/data/unbalance"
+);
 
 /// A fuzz target: its name, which is that of its folder in the corpus, and what it does.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const TARGETS: [Target; 5] = [
+pub const TARGETS: [Target; 10] = [
     ("state", state),
     ("model", model),
     ("record", record),
     ("sensors", sensors),
     ("fmu", fmu),
+    ("binary", binary),
+    ("calibration", calibration),
+    ("small", small),
+    ("finding", found),
+    ("journal", journal),
 ];
 
 /// Content of a serialised state, put into the envelope that a forger would make: restored, stepped and read.
@@ -70,20 +94,89 @@ pub fn sensors(bytes: &[u8]) {
     let _ = Sensors::parse(&String::from_utf8_lossy(bytes), "sensors.toml");
 }
 
+/// A file of its own for the bytes, where a reader wants a file.
+fn file(bytes: &[u8], name: &str) -> Option<PathBuf> {
+    static PLACE: OnceLock<Option<tempfile::TempDir>> = OnceLock::new();
+    let place = PLACE.get_or_init(|| tempfile::tempdir().ok()).as_ref()?;
+    let path = place.path().join(name);
+    fs::write(&path, bytes).ok()?;
+    Some(path)
+}
+
 /// An FMU: its archive and its description, without running its binary.
 pub fn fmu(bytes: &[u8]) {
-    static PLACE: OnceLock<Option<tempfile::TempDir>> = OnceLock::new();
-    let Some(place) = PLACE.get_or_init(|| tempfile::tempdir().ok()) else {
+    let Some(path) = file(bytes, "fuzzed.fmu") else {
         return;
     };
-    let path = place.path().join("fuzzed.fmu");
-    if fs::write(&path, bytes).is_err() {
-        return;
-    }
     let _ = Fmu::describe(&path);
     if let Ok(package) = Package::open(&path) {
         let _ = lint::check(&package, Loading::FilesOnly);
     }
     let text = String::from_utf8_lossy(bytes);
     let _ = workbench::component::Description::parse(&text, Path::new("fuzzed.fmu"));
+}
+
+/// A library's headers and exports, without loading it.
+pub fn binary(bytes: &[u8]) {
+    let _ = (
+        binary_header::check(bytes),
+        binary_header::platform(bytes).is_ok(),
+    );
+    if let Ok(library) = binary_header::parse(bytes) {
+        let required = symbols::required(FmiVersion::Fmi3).to_vec();
+        let _ = symbols::missing_from(&library, required);
+    }
+}
+
+/// The text of a calibration's target file.
+pub fn calibration(bytes: &[u8]) {
+    static RIG: OnceLock<Option<Rig<f64>>> = OnceLock::new();
+    if let Some(rig) = RIG.get_or_init(|| Rig::from_toml(TWO_GAUSSIAN_RIG, "rig.toml").ok()) {
+        let _ = Calibration::parse(&String::from_utf8_lossy(bytes), "target.toml", rig);
+    }
+}
+
+/// The text of a small plant's model file.
+pub fn small(bytes: &[u8]) {
+    let _ = SmallModel::parse(&String::from_utf8_lossy(bytes), "model.toml");
+}
+
+/// A `finding.json`: read, shown, and made into an amended model.
+pub fn found(bytes: &[u8]) {
+    static CASES: OnceLock<Option<Case>> = OnceLock::new();
+    let case = CASES.get_or_init(|| {
+        let arguments = CaseArguments {
+            case: Some(CASE.into()),
+            ..CaseArguments::default()
+        };
+        arguments.load().ok()
+    });
+    let path = file(bytes, finding::FILE);
+    let (Some(case), Some(folder)) = (case, path.as_deref().and_then(Path::parent)) else {
+        return;
+    };
+    let _ = SmallFinding::read(folder);
+    let Ok(finding) = Finding::read(folder) else {
+        return;
+    };
+    let _ = (console::screen("fuzzed", &finding), finding.is_settled());
+    if let Ok(model) = amend::amended_model(case, &finding) {
+        let _ = amend::text(case, &finding, &model);
+    }
+}
+
+/// What a killed map or calibration left, below the line that says whose it is.
+pub fn journal(bytes: &[u8]) {
+    let Some(path) = file(&[b"\"whose\"\n", bytes].concat(), "fuzzed.journal") else {
+        return;
+    };
+    if let Ok((_, rows)) = Journal::open(&path, "whose", (3, 2)) {
+        assert!(
+            rows.iter()
+                .all(|(row, points)| *row < 3 && points.len() == 2)
+        );
+    }
+    if fs::write(&path, [b"\"whose\"\n", bytes].concat()).is_ok() {
+        let _ = Judgements::open(&path, "whose");
+    }
 }

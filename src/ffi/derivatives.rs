@@ -63,12 +63,11 @@ impl Instance {
                 )));
             }
             let order = order_within(*order, MAX_OUTPUT_DERIVATIVE_ORDER, &variable.name)?;
-            values.write(
-                place,
-                self.model
-                    .output_derivative(*reference, order)
-                    .map_err(discard)?,
-            );
+            let value = self
+                .model
+                .output_derivative(*reference, order)
+                .map_err(discard)?;
+            values.write(place, self.finite(value, "the derivative of ", *reference)?);
         }
         Ok(())
     }
@@ -111,6 +110,7 @@ impl Instance {
                         .partial_derivative(*unknown, *known)
                         .map_err(discard)?;
             }
+            let sum = self.finite(sum, "the directional derivative of ", *unknown)?;
             sensitivity.write(place, sum);
         }
         Ok(())

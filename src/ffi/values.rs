@@ -34,9 +34,21 @@ impl Instance {
     pub(super) fn get_reals(&mut self, references: &[u32], values: &mut Output<f64>) -> Outcome {
         for (place, reference) in references.iter().enumerate() {
             self.typed(*reference, VariableType::Real)?;
-            values.write(place, self.model.real(*reference).map_err(discard)?);
+            let value = self.model.real(*reference).map_err(discard)?;
+            values.write(place, self.finite(value, "", *reference)?);
         }
         Ok(())
+    }
+
+    /// A number on its way out. One that overflowed on the way is none: importers would go on calculating with it.
+    pub(super) fn finite(&self, value: f64, what: &str, reference: u32) -> Result<f64, Refusal> {
+        if value.is_finite() {
+            return Ok(value);
+        }
+        Err(Refusal::discard(format_args!(
+            "{what}\"{}\" is {value}: with inputs, derivatives or directions this large it cannot be calculated",
+            self.variable(reference)?.name
+        )))
     }
 
     /// Reads Boolean variables.

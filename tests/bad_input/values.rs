@@ -209,3 +209,24 @@ fn derivatives_of_or_by_what_has_none_are_errors() {
     said(&instance.log, Discard, &parts);
     goes_on(&component, &mut instance, 1.0);
 }
+
+#[test]
+fn numbers_that_overflow_are_discarded_and_never_handed_out() {
+    let component = Component::new(REDUCED_RIG);
+    for version in BOTH {
+        let mut instance = component.start(version, &CASE);
+        instance.run(0.01, 0.2);
+        for seed in [f64::NAN, f64::INFINITY] {
+            let found = instance.try_directional("T_f", &["N2"], &[seed]);
+            assert_eq!(found.unwrap_err(), Discard);
+            let parts = ["the directional derivative of \"T_f\" is", "this large"];
+            said(&instance.log, Discard, &parts);
+        }
+        instance.set("u", 1e308);
+        assert_eq!(instance.try_output_derivative("i", 2), Err(Discard));
+        said(&instance.log, Discard, &["OutputDerivatives"]);
+        instance.reset();
+        instance.initialize(0.0, &CASE);
+        goes_on(&component, &mut instance, 1.0);
+    }
+}

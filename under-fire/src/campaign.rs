@@ -4,8 +4,9 @@ use std::fmt;
 use std::time::{Duration, Instant};
 
 use crate::battle::Battle;
-use crate::call::{Call, SLOTS, generate};
+use crate::call::{Call, SLOTS};
 use crate::component::Component;
+use crate::generate::generate;
 use crate::library::Library;
 use crate::random::Random;
 use crate::standard::Version;

@@ -169,16 +169,17 @@ impl Expectation {
             )
         };
         let all = categories.is_empty() || categories.contains(&"logAll");
-        self.logging = on;
-        self.categories = (!all).then(|| categories.iter().copied().filter(known).collect());
-        if categories
+        let sound = categories
             .iter()
-            .all(|name| known(name) || *name == "logAll")
-        {
-            DONE
-        } else {
-            Err(Status::Warning)
-        }
+            .all(|name| known(name) || *name == "logAll");
+        // Of names that there are not an importer hears, whatever else it chose.
+        let told = (!sound).then_some("logStatusWarning");
+        self.logging = on;
+        self.categories = (!all).then(|| {
+            let chosen = categories.iter().copied().filter(known);
+            chosen.chain(told).collect()
+        });
+        if sound { DONE } else { Err(Status::Warning) }
     }
 
     /// The row behind a value reference, of the asked type.
@@ -217,7 +218,7 @@ impl Expectation {
                 Kind::Real => {
                     Self::row(&table, *reference, VariableType::Real)?;
                     let value = self.native.real(*reference).map_err(|_| Status::Discard)?;
-                    value.to_bits()
+                    finite(value)?
                 }
                 Kind::Boolean => {
                     Self::row(&table, *reference, VariableType::Boolean)?;
@@ -334,7 +335,7 @@ impl Expectation {
             let value = self
                 .native
                 .output_derivative(*reference, order.unsigned_abs());
-            values.push(value.map_err(|_| Status::Discard)?.to_bits());
+            values.push(finite(value.map_err(|_| Status::Discard)?)?);
         }
         Ok(values)
     }
@@ -375,7 +376,7 @@ impl Expectation {
                 let partial = self.native.partial_derivative(*unknown, *known);
                 sum += seed * partial.map_err(|_| Status::Discard)?;
             }
-            values.push(sum.to_bits());
+            values.push(finite(sum)?);
         }
         Ok(values)
     }
@@ -466,6 +467,14 @@ impl Expectation {
         (self.time, self.stop, self.last_step) = (saved.time, saved.stop, saved.last_step);
         DONE
     }
+}
+
+/// The bits of a value that may be handed out: what overflowed may not.
+fn finite(value: f64) -> Result<u64, Status> {
+    value
+        .is_finite()
+        .then_some(value.to_bits())
+        .ok_or(Status::Discard)
 }
 
 /// Whether the setters and getters of this type look at a number of values.

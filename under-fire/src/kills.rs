@@ -24,13 +24,39 @@ struct Job {
     name: &'static str,
     /// Makes the command that writes into a directory.
     command: Box<MakesCommand>,
+    /// A command that writes what this one has written halfway, if it replaces that later.
+    halfway: Option<Box<MakesCommand>>,
     /// Whether a run goes on where the one before was killed.
     resumes: bool,
     /// Share of all kills.
     share: f64,
 }
 
-/// Kills programs `kills` times in all, with whole old files in place, none, or what the run before left. The fourth,
+/// Effects that the killed diagnosis chooses among: with all of them it would take minutes.
+const CANDIDATES: [&str; 2] = ["unbalance", "normal_force_wobble"];
+
+/// A calibration of a second or two.
+const TARGET: &str = "[search]
+seed = 3
+starts = 1
+population = 8
+generations = 10
+smallest_loop_margin = 0.0
+[[parameter]]
+name = \"contact.mu_c\"
+minimum = 0.05
+maximum = 0.15
+[[parameter]]
+name = \"contact.mu_s\"
+minimum = 0.16
+maximum = 0.3
+[[point]]
+speed_rpm = 55.0
+normal_force = 50.0
+frequency_hz = { value = 0.73, bar = 0.05 }
+";
+
+/// Kills programs `kills` times in all, with whole old files in place, none, or what the run before left. The last,
 /// `diagnose`, takes by far the longest.
 ///
 /// # Errors
@@ -39,12 +65,11 @@ pub fn kills(kills: usize, seed: u64, source_tree: &Path, with_diagnose: bool) -
     let place = tempfile::tempdir()?;
     let mut random = Random::new(seed);
     let mut lines = Vec::new();
-    let jobs = jobs(place.path(), source_tree)?;
-    for job in jobs
-        .iter()
-        .filter(|job| with_diagnose || job.name != "diagnose")
-    {
-        let count = (job.share * kills as f64).round() as usize;
+    let mut jobs = jobs(place.path(), source_tree)?;
+    jobs.retain(|job| with_diagnose || job.name != "diagnose");
+    let shares: f64 = jobs.iter().map(|job| job.share).sum();
+    for job in &jobs {
+        let count = (job.share / shares * kills as f64).round() as usize;
         lines.push(killed(job, place.path(), count.max(1), &mut random)?);
     }
     Ok(lines.join("; "))
@@ -61,8 +86,18 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
         command.args(arguments);
         command
     };
+    let target = place.join("target.toml");
+    fs::write(&target, TARGET)?;
+    let without = all_effects(&stickslip)?
+        .into_iter()
+        .filter(|name| !CANDIDATES.contains(&name.as_str()))
+        .flat_map(|name| ["--without".to_owned(), name]);
+    let without: Vec<String> = without.collect();
     let (map_model, map_program) = (model.clone(), stickslip.clone());
-    let (experiment_program, diagnose_program) = (stickslip.clone(), stickslip);
+    let (calibrate_model, calibrate_program) = (model.clone(), stickslip.clone());
+    let (name_case, name_without) = (case.clone(), without.clone());
+    let (experiment_program, diagnose_program) = (stickslip.clone(), stickslip.clone());
+    let name_program = stickslip;
     Ok(vec![
         Job {
             name: "build-fmu",
@@ -71,8 +106,9 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 made.arg(&model).arg("--out").arg(out);
                 Ok(made)
             }),
+            halfway: None,
             resumes: false,
-            share: 0.35,
+            share: 0.3,
         },
         Job {
             name: "map",
@@ -88,8 +124,21 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 made.arg("--out").arg(out).arg(&map_model);
                 Ok(made)
             }),
+            halfway: None,
             resumes: true,
-            share: 0.3,
+            share: 0.25,
+        },
+        Job {
+            name: "calibrate",
+            command: Box::new(move |out| {
+                let mut made = command(&calibrate_program, &["calibrate", "--model"]);
+                made.arg(&calibrate_model).arg("--target").arg(&target);
+                made.arg("--out").arg(out);
+                Ok(made)
+            }),
+            halfway: None,
+            resumes: true,
+            share: 0.1,
         },
         Job {
             name: "experiment",
@@ -103,20 +152,46 @@ fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
                 made.arg("--out").arg(out).arg("--document").arg(&copy);
                 Ok(made)
             }),
+            halfway: None,
             resumes: false,
-            share: 0.25,
+            share: 0.2,
         },
         Job {
             name: "diagnose",
             command: Box::new(move |out| {
                 let mut made = command(&diagnose_program, &["diagnose"]);
-                made.arg(&case).arg("--out").arg(out);
+                made.arg(&case).arg("--out").arg(out).args(&without);
                 Ok(made)
             }),
+            // The finding is written when something is named, and again with before and after.
+            halfway: Some(Box::new(move |out| {
+                let mut made = command(&name_program, &["name"]);
+                made.arg(&name_case)
+                    .arg("--out")
+                    .arg(out)
+                    .args(&name_without);
+                Ok(made)
+            })),
             resumes: false,
-            share: 0.1,
+            share: 0.15,
         },
     ])
+}
+
+/// Names of all effects, from the program that knows them.
+fn all_effects(stickslip: &Path) -> Result<Vec<String>> {
+    let output = Command::new(stickslip).arg("effects").output()?;
+    let names = String::from_utf8(output.stdout)?
+        .lines()
+        .filter_map(|line| line.split_whitespace().next().map(str::to_owned))
+        .collect::<Vec<_>>();
+    ensure!(
+        CANDIDATES
+            .iter()
+            .all(|name| names.iter().any(|found| found == name)),
+        "`stickslip effects` does not list {CANDIDATES:?}"
+    );
+    Ok(names)
 }
 
 fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<String> {
@@ -130,6 +205,12 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
     );
     let duration = begin.elapsed();
     let new = files(&whole)?;
+    let mut between = Files::new();
+    if let Some(command) = &job.halfway {
+        let part = place.join(format!("{}-halfway", job.name));
+        quiet(command(&part)?).status()?;
+        between = files(&part)?;
+    }
     let old: Files = new
         .keys()
         .map(|name| (name.clone(), b"an older result".to_vec()))
@@ -163,7 +244,10 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
                 complete &= !journal;
                 continue;
             }
-            if new.get(&name) != Some(&found) && old.get(&name) != Some(&found) {
+            let whole = [&new, &old, &between]
+                .iter()
+                .any(|files| files.get(&name) == Some(&found));
+            if !whole {
                 bail!(
                     "{}, kill {kill}: {} is neither old nor new ({} bytes)",
                     job.name,

@@ -3,7 +3,7 @@
 //! | module | is |
 //! |---|---|
 //! | `standard` | which call is legal in which state, from the standards' tables |
-//! | `call` | a call as data, and the generator |
+//! | `call`, `generate` | a call as data; random ones |
 //! | `expectation` | what an instance must do, by the standards and the native model |
 //! | `battle` | carries out calls on library and expectation and compares |
 //! | `campaign` | many sequences; shortens one that fails |
@@ -18,6 +18,7 @@ pub mod campaign;
 pub mod component;
 pub mod endurance;
 mod expectation;
+mod generate;
 mod invoke;
 pub mod kills;
 pub mod library;

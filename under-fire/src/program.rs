@@ -28,17 +28,27 @@ pub fn find(name: &str) -> Result<PathBuf> {
     )
 }
 
-/// The content of a file of results, but for how long a diagnosis took: `seconds` of a `finding.json`.
+/// The content of a file of results, but for how long a diagnosis took: `seconds` of a `finding.json`, the last sentence of
+/// a `report.html`.
 #[must_use]
 pub fn without_duration(path: &Path, content: Vec<u8>) -> Vec<u8> {
-    if path.file_name().is_none_or(|name| name != "finding.json") {
-        return content;
+    let name = path.file_name().unwrap_or_default();
+    if name == "finding.json" {
+        let text = String::from_utf8_lossy(&content);
+        let lines = text
+            .lines()
+            .filter(|line| !line.trim_start().starts_with("\"seconds\":"));
+        return lines.collect::<Vec<_>>().join("\n").into_bytes();
     }
-    let text = String::from_utf8_lossy(&content);
-    let lines = text
-        .lines()
-        .filter(|line| !line.trim_start().starts_with("\"seconds\":"));
-    lines.collect::<Vec<_>>().join("\n").into_bytes()
+    if name == "report.html" {
+        let text = String::from_utf8_lossy(&content);
+        if let Some((before, after)) = text.split_once("Found in ")
+            && let Some((_, after)) = after.split_once(" s.")
+        {
+            return [before, after].concat().into_bytes();
+        }
+    }
+    content
 }
 
 /// How a program ended and what it took.

@@ -174,6 +174,39 @@ fn an_interrupted_search_goes_on_to_the_same_end() {
 }
 
 #[test]
+fn numbers_of_a_target_that_cannot_be_are_refused() {
+    let (rig, _) = shipped("eq-6-2");
+    let good = "[search]\nseed = 1\nstarts = 1\npopulation = 10\ngenerations = 1\nsmallest_loop_margin = 0.5\n\
+        [[parameter]]\nname = \"contact.a1\"\nminimum = 0.0\nmaximum = 1.0\n\
+        [[point]]\nspeed_rpm = 55.0\nnormal_force = 50.0\nfrequency_hz = { value = 0.8, bar = 0.01 }\n";
+    assert!(Target::parse(good, "t.toml", &rig).is_ok());
+    for (from, to, word) in [
+        ("population = 10", "population = 1000000000000", "at most"),
+        ("starts = 1", "starts = 9000000000000000000", "at most"),
+        ("generations = 1", "generations = 100001", "at most"),
+        (
+            "smallest_loop_margin = 0.5",
+            "smallest_loop_margin = nan",
+            "finite",
+        ),
+        ("speed_rpm = 55.0", "speed_rpm = inf", "finite"),
+        ("normal_force = 50.0", "normal_force = nan", "finite"),
+        ("value = 0.8", "value = nan", "finite value"),
+        ("bar = 0.01", "bar = nan", "bar above 0"),
+        ("bar = 0.01", "bar = 0.01, weight = inf", "weight"),
+        ("maximum = 1.0", "maximum = nan", "contact.a1"),
+    ] {
+        let message = Target::parse(&good.replacen(from, to, 1), "t.toml", &rig)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.contains(word) && message.contains("t.toml"),
+            "{to}: {message}"
+        );
+    }
+}
+
+#[test]
 fn transitions_that_make_no_sense_are_refused() {
     let (rig, _) = shipped("eq-6-2");
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("targets");

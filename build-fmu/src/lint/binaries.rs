@@ -1,5 +1,7 @@
 //! Libraries: there, named after the model, for the right machine, complete, willing.
 
+use std::collections::BTreeSet;
+
 use object::Object;
 
 use super::Loading;
@@ -36,8 +38,7 @@ pub(super) fn check(
         })
         .collect();
     let mut findings = Vec::new();
-    let mut folders: Vec<&str> = files.iter().map(|(_, folder, _)| *folder).collect();
-    folders.dedup();
+    let folders: BTreeSet<&str> = files.iter().map(|(_, folder, _)| *folder).collect();
     if folders.is_empty() && !package.names().any(|name| name.starts_with("sources/")) {
         findings.push(Finding::new(
             Rule::Binary,

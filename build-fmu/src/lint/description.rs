@@ -1,28 +1,25 @@
 //! The parts of a model description that the check looks at, of either standard.
 
-use std::collections::BTreeMap;
-
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
 use super::finding::{Finding, Rule};
+use super::index::Index;
 use super::package::Package;
+use super::xml::{self, Attributes};
 use crate::platform::FmiVersion;
 
 /// File name of the description inside the FMU.
 pub(super) const DESCRIPTION: &str = "modelDescription.xml";
 
-/// Largest description that is read [bytes]: some 50,000 variables.
-const LARGEST: usize = 16 << 20;
-/// Most elements that are read.
-const MOST_ELEMENTS: usize = 200_000;
+/// Most elements that are read: of FMI 2, two for each variable.
+const MOST_ELEMENTS: usize = 150_000;
+/// Most attributes of all elements together.
+const MOST_ATTRIBUTES: usize = 500_000;
 /// Deepest nesting; the standards' own is below 10.
 const DEEPEST: usize = 64;
-/// Most attributes of an element. Each is compared with each, so a hundred thousand would take minutes.
-const MOST_ATTRIBUTES: usize = 256;
-
-/// Attributes of an element.
-pub(super) type Attributes = BTreeMap<String, String>;
+/// Most display units of a unit.
+const MOST_DISPLAY_UNITS: usize = 256;
 
 /// A variable with its attributes; those of the FMI 2 type element are among them.
 #[derive(Debug, Clone, Default)]
@@ -72,6 +69,7 @@ pub(super) struct Description {
     pub(super) variables: Vec<Variable>,
     pub(super) unknowns: Vec<Unknown>,
     pub(super) source_files: Vec<String>,
+    index: Index,
 }
 
 impl Description {
@@ -86,24 +84,41 @@ impl Description {
                 None => "is missing".to_owned(),
             }));
         }
-        let bytes = package.read(DESCRIPTION).map_err(broken)?;
-        if bytes.len() > LARGEST {
-            return Err(broken(format!(
-                "has {} bytes; more than {LARGEST} are not read",
-                bytes.len()
-            )));
-        }
-        let text =
-            String::from_utf8(bytes).map_err(|error| broken(format!("is not UTF-8: {error}")))?;
+        let text = xml::text(package, DESCRIPTION).map_err(broken)?;
         let mut walk = Walk::default();
         walk.run(&text).map_err(broken)?;
         walk.finish()
+    }
+
+    /// Whether a variable has this name.
+    pub(super) fn has_variable(&self, name: &str) -> bool {
+        self.index.variable(name).is_some()
+    }
+
+    /// The variable that a reference of the model structure means.
+    pub(super) fn referenced(&self, reference: &str) -> Option<&Variable> {
+        let place = match self.version {
+            FmiVersion::Fmi2 => reference.parse::<usize>().ok()?.checked_sub(1)?,
+            FmiVersion::Fmi3 => self.index.reference(reference)?,
+        };
+        self.variables.get(place)
+    }
+
+    /// The type of this name.
+    pub(super) fn type_named(&self, name: &str) -> Option<&Variable> {
+        self.types.get(self.index.declared_type(name)?)
+    }
+
+    /// The unit of this name.
+    pub(super) fn unit_named(&self, name: &str) -> Option<&Unit> {
+        self.units.get(self.index.unit(name)?)
     }
 }
 
 #[derive(Default)]
 struct Walk {
     elements: usize,
+    attributes: usize,
     path: Vec<String>,
     root: Attributes,
     interfaces: Vec<(String, Option<String>)>,
@@ -150,11 +165,19 @@ impl Walk {
             return Err(format!("has more than {MOST_ELEMENTS} elements"));
         }
         let name = element.name().as_ref().to_owned();
-        let attributes = attributes(element)?;
+        let attributes = xml::attributes(element)?;
+        self.attributes += attributes.len();
+        if self.attributes > MOST_ATTRIBUTES {
+            return Err(format!("has more than {MOST_ATTRIBUTES} attributes"));
+        }
         let place: Vec<&str> = self.path.iter().map(String::as_str).collect();
         match (place.as_slice(), name.as_str()) {
             ([], _) => self.root = attributes,
             ([_], "CoSimulation" | "ModelExchange" | "ScheduledExecution") => {
+                // Each means that a binary is looked at.
+                if self.interfaces.iter().any(|(known, _)| *known == name) {
+                    return Err(format!("has <{name}> twice"));
+                }
                 self.interfaces
                     .push((name.clone(), attributes.get("modelIdentifier").cloned()));
             }
@@ -172,6 +195,12 @@ impl Walk {
             }
             ([_, "UnitDefinitions", "Unit"], "DisplayUnit") => {
                 if let Some(unit) = self.units.last_mut() {
+                    if unit.display_units.len() == MOST_DISPLAY_UNITS {
+                        return Err(format!(
+                            "has more than {MOST_DISPLAY_UNITS} display units of the unit {}",
+                            unit.name
+                        ));
+                    }
                     let display = attributes.get("name").cloned().unwrap_or_default();
                     unit.display_units
                         .push((display, attributes.get("factor").cloned()));
@@ -235,8 +264,10 @@ impl Walk {
                 return Err(Finding::new(Rule::FmiVersion, message));
             }
         };
+        let index = Index::new(version, &self.variables, &self.types, &self.units);
         Ok(Description {
             version,
+            index,
             root: self.root,
             interfaces: self.interfaces,
             units: self.units,
@@ -257,24 +288,4 @@ fn merge(outer: Option<&mut Variable>, kind: &str, inner: Attributes) {
             outer.attributes.entry(name).or_insert(value);
         }
     }
-}
-
-fn attributes(element: &BytesStart<'_>) -> Result<Attributes, String> {
-    element
-        .attributes()
-        .enumerate()
-        .map(|(place, attribute)| {
-            if place == MOST_ATTRIBUTES {
-                return Err(format!(
-                    "has an element with more than {MOST_ATTRIBUTES} attributes"
-                ));
-            }
-            let attribute = attribute.map_err(|error| format!("is not well-formed: {error}"))?;
-            let name = attribute.key.as_ref().to_owned();
-            let value = attribute
-                .normalized_value(quick_xml::XmlVersion::Implicit1_0)
-                .map_err(|error| format!("attribute {name} is not well-formed: {error}"))?;
-            Ok((name, value.into_owned()))
-        })
-        .collect()
 }

@@ -6,6 +6,7 @@ use quick_xml::events::Event;
 use super::description::Description;
 use super::finding::{Finding, Rule};
 use super::package::Package;
+use super::xml;
 use crate::platform::FmiVersion;
 
 const BUILD_DESCRIPTION: &str = "sources/buildDescription.xml";
@@ -40,12 +41,9 @@ pub(super) fn check(package: &Package, description: &Description) -> Vec<Finding
     }
     match attributes(package, TERMINALS, "TerminalMemberVariable", "variableName") {
         Ok(names) => {
-            let unknown = names.into_iter().filter(|name| {
-                !description
-                    .variables
-                    .iter()
-                    .any(|variable| variable.name() == name)
-            });
+            let unknown = names
+                .into_iter()
+                .filter(|name| !description.has_variable(name));
             findings.extend(unknown.map(|name| {
                 Finding::new(
                     Rule::ListedFile,
@@ -69,26 +67,13 @@ fn attributes(
         return Ok(Vec::new());
     }
     let broken = |reason: String| Finding::new(Rule::ListedFile, format!("{file}: {reason}"));
-    let bytes = package.read(file).map_err(broken)?;
-    let text = String::from_utf8(bytes).map_err(|error| broken(error.to_string()))?;
+    let text = xml::text(package, file).map_err(broken)?;
     let mut reader = Reader::from_str(&text);
     let mut values = Vec::new();
     loop {
         match reader.read_event() {
             Ok(Event::Start(start) | Event::Empty(start)) if start.name().as_ref() == element => {
-                let value = start
-                    .try_get_attribute(attribute)
-                    .map_err(|error| broken(error.to_string()))?
-                    .map(|value| {
-                        value
-                            .normalized_value(quick_xml::XmlVersion::Implicit1_0)
-                            .map(|text| text.into_owned())
-                    });
-                match value {
-                    Some(Ok(value)) => values.push(value),
-                    Some(Err(error)) => return Err(broken(error.to_string())),
-                    None => {}
-                }
+                values.extend(xml::attributes(&start).map_err(broken)?.remove(attribute));
             }
             Ok(Event::DocType(_)) => {
                 return Err(broken(

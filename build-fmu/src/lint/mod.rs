@@ -3,12 +3,13 @@
 mod binaries;
 mod description;
 mod finding;
+mod index;
 mod listed_files;
 mod package;
 mod structure;
 mod units;
 mod variables;
-mod zip_directory;
+mod xml;
 mod zip_rules;
 
 pub use finding::{Finding, Rule};

@@ -1,24 +1,18 @@
-//! An FMU as untrusted bytes: read into memory with limits, never unpacked to the disk by its own names.
+//! An FMU as an untrusted file: read with limits, never unpacked to the disk by its own names.
 
-use std::fs;
-use std::io::{Cursor, Read};
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use thiserror::Error;
 use zip::ZipArchive;
 
-use super::zip_directory::{self, DirectoryEntry};
+use crate::zip_directory::{self, DirectoryEntry, DirectoryError};
 
-/// Entries beyond which an archive is taken for hostile.
-const MAX_ENTRIES: usize = 20_000;
-/// Size of the archive beyond which it is not read.
-const MAX_FILE: u64 = 128 << 20;
-/// Uncompressed bytes of all entries beyond which an archive is taken for hostile.
-const MAX_TOTAL: u64 = 256 << 20;
-/// Uncompressed over compressed size beyond which a large entry is taken for a bomb; deflate itself ends at 1032.
-const MAX_RATIO: u64 = 200;
-/// Uncompressed size below which the ratio does not matter.
-const RATIO_FLOOR: u64 = 16 << 20;
+/// Unpacked bytes of all entries beyond which an archive is taken for hostile; some of them are held in memory.
+const MOST_BYTES: u64 = 128 << 20;
 
 /// Why a file cannot be checked at all.
 #[derive(Debug, Error)]
@@ -29,7 +23,7 @@ pub enum OpenError {
         /// The file.
         path: PathBuf,
         /// The system's reason.
-        source: std::io::Error,
+        source: io::Error,
     },
     /// The file is not a zip archive.
     #[error("{} is not a zip archive: {reason}", path.display())]
@@ -52,8 +46,9 @@ pub enum OpenError {
 /// An opened FMU.
 #[derive(Debug)]
 pub struct Package {
-    archive: ZipArchive<Cursor<Vec<u8>>>,
+    archive: ZipArchive<Arc<File>>,
     pub(super) directory: Vec<DirectoryEntry>,
+    files: BTreeSet<String>,
 }
 
 impl Package {
@@ -66,82 +61,71 @@ impl Package {
             path: path.to_owned(),
             source,
         };
-        let size = fs::metadata(path).map_err(unreadable)?.len();
-        if size > MAX_FILE {
-            return Err(OpenError::Bomb {
-                path: path.to_owned(),
-                reason: format!("{size} bytes, more than {MAX_FILE}"),
-            });
-        }
-        let bytes = fs::read(path).map_err(unreadable)?;
         let not_zip = |reason: String| OpenError::NotZip {
             path: path.to_owned(),
             reason,
         };
-        let directory = zip_directory::read(&bytes)
-            .ok_or_else(|| not_zip("there is no complete central directory".to_owned()))?;
-        if let Some(reason) = bomb(&directory) {
-            return Err(OpenError::Bomb {
-                path: path.to_owned(),
-                reason,
-            });
+        let bomb = |reason| OpenError::Bomb {
+            path: path.to_owned(),
+            reason,
+        };
+        // A pipe would be waited for, a device be read for ever.
+        if !fs::metadata(path).map_err(unreadable)?.is_file() {
+            return Err(not_zip("it is no file".to_owned()));
         }
-        let archive =
-            ZipArchive::new(Cursor::new(bytes)).map_err(|error| not_zip(error.to_string()))?;
-        Ok(Self { archive, directory })
+        let mut file = Arc::new(File::open(path).map_err(unreadable)?);
+        let directory = zip_directory::read(&mut file).map_err(|error| match error {
+            DirectoryError::Read(source) => unreadable(source),
+            DirectoryError::Incomplete => not_zip(error.to_string()),
+            DirectoryError::TooLarge(reason) => bomb(reason),
+        })?;
+        if let Some(reason) = zip_directory::excess(&directory, MOST_BYTES) {
+            return Err(bomb(reason));
+        }
+        let archive = ZipArchive::new(file).map_err(|error| not_zip(error.to_string()))?;
+        let files = directory
+            .iter()
+            .map(|entry| entry.name.clone())
+            .filter(|name| !name.ends_with('/'))
+            .collect();
+        Ok(Self {
+            archive,
+            directory,
+            files,
+        })
     }
 
     /// Whether there is a file of this name.
     pub(super) fn has(&self, name: &str) -> bool {
-        self.directory.iter().any(|entry| entry.name == name)
+        self.files.contains(name)
     }
 
-    /// Names of all files, in the archive's order.
+    /// Names of all files, each once, in alphabetical order.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
-        self.directory
-            .iter()
-            .map(|entry| entry.name.as_str())
-            .filter(|name| !name.ends_with('/'))
+        self.files.iter().map(String::as_str)
     }
 
     /// A file's bytes, never more than the directory announced; the reason if they cannot be had.
     pub(super) fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        let mut bytes = Vec::new();
+        self.unpack(name, &mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// Unpacks a file and keeps nothing; the reason if that cannot be done.
+    pub(super) fn test(&self, name: &str) -> Result<(), String> {
+        self.unpack(name, &mut io::sink())
+    }
+
+    fn unpack(&self, name: &str, target: &mut impl io::Write) -> Result<(), String> {
         let mut archive = self.archive.clone();
         let file = archive.by_name(name).map_err(|error| error.to_string())?;
         let announced = file.size();
-        let mut bytes = Vec::new();
-        file.take(announced + 1)
-            .read_to_end(&mut bytes)
+        let found = io::copy(&mut file.take(announced.saturating_add(1)), target)
             .map_err(|error| error.to_string())?;
-        if bytes.len() as u64 != announced {
-            return Err(format!(
-                "{} bytes announced, {} found",
-                announced,
-                bytes.len()
-            ));
+        if found != announced {
+            return Err(format!("{announced} bytes announced, {found} found"));
         }
-        Ok(bytes)
+        Ok(())
     }
-}
-
-fn bomb(directory: &[DirectoryEntry]) -> Option<String> {
-    if directory.len() > MAX_ENTRIES {
-        return Some(format!(
-            "{} entries, more than {MAX_ENTRIES}",
-            directory.len()
-        ));
-    }
-    let total: u64 = directory.iter().map(|entry| entry.size).sum();
-    if total > MAX_TOTAL {
-        return Some(format!(
-            "{total} bytes when unpacked, more than {MAX_TOTAL}"
-        ));
-    }
-    let entry = directory.iter().find(|entry| {
-        entry.size > RATIO_FLOOR && entry.size / entry.compressed_size.max(1) > MAX_RATIO
-    })?;
-    Some(format!(
-        "entry {} grows from {} to {} bytes, a ratio above {MAX_RATIO}",
-        entry.name, entry.compressed_size, entry.size
-    ))
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::description::{Description, Unknown, Variable};
+use super::description::{Description, Unknown};
 use super::finding::{Finding, Rule};
 use crate::platform::FmiVersion;
 
@@ -59,19 +59,6 @@ fn required(description: &Description) -> Vec<Finding> {
     findings
 }
 
-/// The variable that a reference of the model structure means.
-fn variable<'a>(description: &'a Description, reference: &str) -> Option<&'a Variable> {
-    match description.version {
-        FmiVersion::Fmi2 => description
-            .variables
-            .get(reference.parse::<usize>().ok()?.checked_sub(1)?),
-        FmiVersion::Fmi3 => description
-            .variables
-            .iter()
-            .find(|variable| variable.get("valueReference") == Some(reference)),
-    }
-}
-
 fn reference(unknown: &Unknown) -> &str {
     let attributes = &unknown.attributes;
     attributes
@@ -89,7 +76,7 @@ fn outputs(description: &Description) -> Vec<Finding> {
         .iter()
         .filter(|unknown| unknown.list == "Output")
     {
-        match variable(description, reference(unknown)) {
+        match description.referenced(reference(unknown)) {
             None => find(format!("Output {} is no variable", reference(unknown))),
             Some(variable) => {
                 if variable.get("causality") != Some("output") {
@@ -117,28 +104,25 @@ fn outputs(description: &Description) -> Vec<Finding> {
 
 fn dependencies(description: &Description, unknown: &Unknown) -> Option<Finding> {
     let list = &unknown.list;
-    let find = |message| Some(Finding::new(Rule::Structure, message));
-    if list != "Output" && variable(description, reference(unknown)).is_none() {
-        return find(format!("{list} {} is no variable", reference(unknown)));
-    }
-    let words = |name: &str| -> Option<Vec<&str>> {
-        Some(unknown.attributes.get(name)?.split_whitespace().collect())
+    let find = |message: &str| {
+        let message = format!("{list} {} {message}", reference(unknown));
+        Some(Finding::new(Rule::Structure, message))
     };
-    let dependencies = words("dependencies");
-    let kinds = words("dependenciesKind");
-    if let Some(kinds) = kinds
-        && dependencies.as_ref().map(Vec::len) != Some(kinds.len())
-    {
-        let message = "has not as many dependencies as dependenciesKind";
-        return find(format!("{list} {} {message}", reference(unknown)));
+    if list != "Output" && description.referenced(reference(unknown)).is_none() {
+        return find("is no variable");
     }
-    let stray = dependencies?
-        .into_iter()
-        .find(|word| variable(description, word).is_none())?;
-    find(format!(
-        "{list} {} depends on {stray}, which is no variable",
-        reference(unknown)
-    ))
+    let words = |name: &str| Some(unknown.attributes.get(name)?.split_whitespace());
+    let count = words("dependencies").map(Iterator::count);
+    if let Some(kinds) = words("dependenciesKind")
+        && count != Some(kinds.count())
+    {
+        return find("has not as many dependencies as dependenciesKind");
+    }
+    if count? > description.variables.len() {
+        return find("has more dependencies than there are variables");
+    }
+    let stray = words("dependencies")?.find(|word| description.referenced(word).is_none())?;
+    find(&format!("depends on {stray}, which is no variable"))
 }
 
 fn experiment(description: &Description) -> Vec<Finding> {

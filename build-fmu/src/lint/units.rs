@@ -63,11 +63,9 @@ fn definitions(description: &Description) -> Vec<Finding> {
 }
 
 fn use_of_units(what: &str, variable: &Variable, description: &Description) -> Option<Finding> {
-    let declared = variable.get("declaredType");
-    let inherited = description
-        .types
-        .iter()
-        .find(|kind| Some(kind.name()) == declared);
+    let inherited = variable
+        .get("declaredType")
+        .and_then(|name| description.type_named(name));
     let name = variable.get("unit").or_else(|| inherited?.get("unit"));
     let place = format!("{what} {}", variable.name());
     let Some(name) = name else {
@@ -75,7 +73,7 @@ fn use_of_units(what: &str, variable: &Variable, description: &Description) -> O
         let message = format!("{place} has a display unit {display} but no unit");
         return Some(Finding::new(Rule::Unit, message));
     };
-    let Some(unit) = description.units.iter().find(|unit| unit.name == name) else {
+    let Some(unit) = description.unit_named(name) else {
         let message = format!("{place} uses the unit {name}, which is not defined");
         return Some(Finding::new(Rule::Unit, message));
     };
@@ -90,7 +88,7 @@ fn use_of_units(what: &str, variable: &Variable, description: &Description) -> O
 fn use_of_type(variable: &Variable, description: &Description) -> Option<Finding> {
     let name = variable.get("declaredType")?;
     let place = format!("variable {}", variable.name());
-    let message = match description.types.iter().find(|kind| kind.name() == name) {
+    let message = match description.type_named(name) {
         None => format!("{place} has the type {name}, which is not defined"),
         Some(declared) if declared.kind != variable.kind => {
             format!(

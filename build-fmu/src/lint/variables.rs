@@ -111,11 +111,9 @@ fn numbers(variable: &Variable, description: &Description) -> Vec<Finding> {
     if !integer && !matches!(variable.kind.as_str(), "Real" | "Float32" | "Float64") {
         return Vec::new();
     }
-    let declared = variable.get("declaredType");
-    let inherited = description
-        .types
-        .iter()
-        .find(|kind| Some(kind.name()) == declared);
+    let inherited = variable
+        .get("declaredType")
+        .and_then(|name| description.type_named(name));
     let get = |name: &str| variable.get(name).or_else(|| inherited?.get(name));
     let mut findings = Vec::new();
     let mut find = |message: String| {

@@ -2,7 +2,7 @@
 
 use super::finding::{Finding, Rule};
 use super::package::Package;
-use super::zip_directory::DirectoryEntry;
+use crate::zip_directory::DirectoryEntry;
 
 const STORED: u16 = 0;
 const DEFLATED: u16 = 8;
@@ -17,7 +17,7 @@ pub(super) fn check(package: &Package) -> Vec<Finding> {
     let mut findings: Vec<Finding> = package.directory.iter().flat_map(entry).collect();
     findings.extend(duplicates(&package.directory));
     for name in package.names() {
-        if let Err(reason) = package.read(name) {
+        if let Err(reason) = package.test(name) {
             findings.push(Finding::new(Rule::Damaged, format!("{name}: {reason}")));
         }
     }

@@ -6,6 +6,9 @@ use stickslip::plant::{Effects, Rig};
 use super::cycle::Disc;
 use super::target::{Goal, Point, Search, Sought, Target, TargetError};
 
+/// Most starts, members and generations of a search: above, it is a slip of the pen.
+const MOST: usize = 100_000;
+
 /// Refuses a target that makes no sense for `rig`; `file` names it in messages.
 pub(super) fn check(target: &Target, file: &str, rig: &Rig<f64>) -> Result<(), TargetError> {
     let refuse = |(place, message): (String, String)| TargetError::Value {
@@ -56,6 +59,15 @@ fn check_search(search: &Search) -> Result<(), (String, String)> {
     }
     if search.starts == 0 {
         return refuse("starts is 0; it must be at least 1".to_owned());
+    }
+    for (name, size) in [
+        ("starts", search.starts),
+        ("population", search.population),
+        ("generations", search.generations),
+    ] {
+        if size > MOST {
+            return refuse(format!("{name} is {size}; it must be at most {MOST}"));
+        }
     }
     let margin = search.smallest_loop_margin;
     if !(0.0..1.0).contains(&margin) {

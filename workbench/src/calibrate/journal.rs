@@ -65,7 +65,10 @@ impl Journal {
             Err(error) => return Err(failed("be read")(error)),
         };
         let (kept, sound) = match text.strip_prefix(head.as_str()) {
-            Some(body) => read_costs(body),
+            Some(body) => {
+                let (costs, length) = read_costs(body);
+                (costs, head.len() + length)
+            }
             // A head that was cut off holds nothing.
             None if head.starts_with(&text) => (VecDeque::new(), 0),
             None => {
@@ -74,9 +77,19 @@ impl Journal {
                 });
             }
         };
-        // What a cut-off last line left behind must not run into the next one.
-        let body = text.get(head.len()..head.len() + sound).unwrap_or("");
-        fs::write(path, format!("{head}{body}")).map_err(failed("be written"))?;
+        let mut file = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(path)
+            .map_err(failed("be opened to write"))?;
+        // What a cut-off last line left behind must not run into the next one; no whole line is written anew, so that
+        // none is lost if this is killed.
+        file.set_len(sound as u64)
+            .map_err(failed("be cut to its whole lines"))?;
+        if sound == 0 {
+            file.write_all(head.as_bytes())
+                .map_err(failed("be written"))?;
+        }
         Ok(Self {
             path: path.to_owned(),
             kept,

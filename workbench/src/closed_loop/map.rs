@@ -37,8 +37,12 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
         };
         run(&arguments.rig, case, &brief, &INTERRUPTED)?;
     }
-    let (journal, kept) = Journal::open(&arguments.out.join("map.journal"), &identity(arguments)?)?;
     let shape = (cases.len() * forces.len(), speeds.len());
+    let (journal, kept) = Journal::open(
+        &arguments.out.join("map.journal"),
+        &identity(arguments)?,
+        shape,
+    )?;
     let bar = ProgressBar::new((shape.0 * shape.1) as u64)
         .with_position((kept.len() * speeds.len()) as u64);
     if let Ok(style) =

@@ -4,18 +4,13 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use build_fmu::zip_directory::{self, DirectoryError};
 use tempfile::TempDir;
 use thiserror::Error;
 use zip::ZipArchive;
 
-/// Most entries that an archive may have.
-const MOST_ENTRIES: usize = 10_000;
 /// Most bytes that an archive may unpack to.
 const MOST_BYTES: u64 = 256 << 20;
-/// Unpacked over packed size beyond which a large entry is taken for a bomb; binaries and XML stay below 20.
-const MOST_RATIO: u64 = 200;
-/// Unpacked size below which the ratio does not matter.
-const RATIO_FLOOR: u64 = 16 << 20;
 
 /// Why an archive was refused. Nothing of it remains on the disk.
 #[derive(Debug, Error)]
@@ -49,10 +44,12 @@ pub enum ArchiveError {
         problem: &'static str,
     },
     /// The archive is larger than any FMU needs to be.
-    #[error("{path}: refused, because it has more than {MOST_ENTRIES} entries or unpacks to more than {} MiB or {MOST_RATIO} times its size", MOST_BYTES >> 20)]
+    #[error("{path}: refused, because {reason}")]
     TooLarge {
         /// The file.
         path: PathBuf,
+        /// Which limit it breaks.
+        reason: String,
     },
 }
 
@@ -76,29 +73,30 @@ impl Archive {
                 source,
             }
         };
-        let not_zip = |error: zip::result::ZipError| ArchiveError::NotZip {
+        let unsound = |reason: String| ArchiveError::NotZip {
             path: path.to_owned(),
-            reason: error.to_string(),
+            reason,
         };
-        let file = File::open(path).map_err(failed("be opened"))?;
+        let too_large = |reason| ArchiveError::TooLarge {
+            path: path.to_owned(),
+            reason,
+        };
+        let not_zip = |error: zip::result::ZipError| unsound(error.to_string());
+        // A pipe would be waited for, a device be read for ever.
+        if !fs::metadata(path).map_err(failed("be opened"))?.is_file() {
+            return Err(unsound("it is no file".to_owned()));
+        }
+        let mut file = File::open(path).map_err(failed("be opened"))?;
+        let entries = zip_directory::read(&mut file).map_err(|error| match error {
+            DirectoryError::Read(source) => failed("be read")(source),
+            DirectoryError::Incomplete => unsound(error.to_string()),
+            DirectoryError::TooLarge(reason) => too_large(reason),
+        })?;
+        if let Some(reason) = zip_directory::excess(&entries, MOST_BYTES) {
+            return Err(too_large(reason));
+        }
+        drop(entries);
         let mut archive = ZipArchive::new(io::BufReader::new(file)).map_err(not_zip)?;
-        if archive.len() > MOST_ENTRIES {
-            return Err(ArchiveError::TooLarge {
-                path: path.to_owned(),
-            });
-        }
-        let mut announced = 0_u64;
-        for index in 0..archive.len() {
-            let entry = archive.by_index_raw(index).map_err(not_zip)?;
-            announced = announced.saturating_add(entry.size());
-            let bomb = entry.size() > RATIO_FLOOR
-                && entry.size() / entry.compressed_size().max(1) > MOST_RATIO;
-            if bomb || announced > MOST_BYTES {
-                return Err(ArchiveError::TooLarge {
-                    path: path.to_owned(),
-                });
-            }
-        }
         let directory = TempDir::with_prefix("stickslip-fmu-")
             .map_err(failed("make a directory to unpack it into"))?;
         let mut left = MOST_BYTES;
@@ -136,22 +134,15 @@ impl Archive {
                 Err(error) => return Err(failed("be unpacked")(error)),
             };
             // What the archive says of its sizes may be a lie; what comes out of it is counted.
-            let limit = left.min(entry.size()) + 1;
-            let written =
-                io::copy(&mut (&mut entry).take(limit), &mut output).map_err(|error| {
-                    ArchiveError::NotZip {
-                        path: path.to_owned(),
-                        reason: error.to_string(),
-                    }
-                })?;
+            let limit = left.min(entry.size()).saturating_add(1);
+            let written = io::copy(&mut (&mut entry).take(limit), &mut output)
+                .map_err(|error| unsound(error.to_string()))?;
             if written > entry.size() {
                 return Err(hostile("unpacks to more than it says"));
             }
             left = left
                 .checked_sub(written)
-                .ok_or_else(|| ArchiveError::TooLarge {
-                    path: path.to_owned(),
-                })?;
+                .ok_or_else(|| too_large(format!("it unpacks to more than {MOST_BYTES} bytes")))?;
         }
         Ok(Self { directory })
     }

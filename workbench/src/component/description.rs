@@ -13,6 +13,12 @@ const MOST_NODES: u32 = 1_000_000;
 /// Most attributes of an element. The parser compares each with each, so a hundred thousand would take minutes.
 const MOST_ATTRIBUTES: usize = 256;
 
+/// Most attributes of all elements together: some hundred bytes of memory each.
+const MOST_ATTRIBUTES_IN_ALL: usize = 500_000;
+
+/// Most namespaces. The parser hands those of an element on to each element inside it, one by one.
+const MOST_NAMESPACES: usize = 64;
+
 /// Deepest nesting; the standards' own is below 10. The parser calls itself for each level.
 const DEEPEST: usize = 64;
 
@@ -62,11 +68,8 @@ impl Description {
             path: path.to_owned(),
             problem,
         };
-        let shape = Shape::of(text);
-        if shape.attributes > MOST_ATTRIBUTES || shape.depth > DEEPEST {
-            return Err(refuse(format!(
-                "has an element with more than {MOST_ATTRIBUTES} attributes or nests deeper than {DEEPEST}"
-            )));
+        if let Some(problem) = Shape::of(text).problem() {
+            return Err(refuse(problem));
         }
         let unsound = |error: roxmltree::Error| refuse(format!("is not sound XML: {error}"));
         let options = ParsingOptions {
@@ -140,13 +143,46 @@ impl Description {
 struct Shape {
     /// The largest number of `=` outside quotes within one tag: never fewer than its attributes.
     attributes: usize,
+    /// The same of all tags together.
+    attributes_in_all: usize,
     /// How deep elements are nested.
     depth: usize,
+    /// How often a namespace is declared, or the word for it occurs.
+    namespaces: usize,
 }
 
 impl Shape {
+    /// What the parser cannot be given, if there is anything.
+    fn problem(&self) -> Option<String> {
+        let limits = [
+            (
+                self.attributes,
+                MOST_ATTRIBUTES,
+                "has an element with more attributes than",
+            ),
+            (
+                self.attributes_in_all,
+                MOST_ATTRIBUTES_IN_ALL,
+                "has more attributes than",
+            ),
+            (self.depth, DEEPEST, "nests elements deeper than"),
+            (
+                self.namespaces,
+                MOST_NAMESPACES,
+                "declares more namespaces than",
+            ),
+        ];
+        limits
+            .into_iter()
+            .find(|(found, most, _)| found > most)
+            .map(|(found, most, problem)| format!("{problem} {most}: {found}"))
+    }
+
     fn of(text: &str) -> Self {
-        let mut shape = Self::default();
+        let mut shape = Self {
+            namespaces: text.matches("xmlns").count(),
+            ..Self::default()
+        };
         let mut open = 0_usize;
         let mut rest = text;
         while let Some(at) = rest.find('<') {
@@ -179,6 +215,7 @@ impl Shape {
                 open += 1;
             }
             shape.attributes = shape.attributes.max(count);
+            shape.attributes_in_all += count;
             shape.depth = shape.depth.max(open);
             rest = &rest[length..];
         }
@@ -286,13 +323,15 @@ mod tests {
     #[test]
     fn attributes_and_depth_are_those_of_tags_only() {
         let shape = |text| {
-            let Shape { attributes, depth } = Shape::of(text);
-            (attributes, depth)
+            let shape = Shape::of(text);
+            (shape.attributes, shape.depth)
         };
         let text = "<!-- a=1 b='2 --><a b='=' c=\"<x y='1' z='2' w='3'>\"/><?p q=r?><![CDATA[<a b=c d=e f=g>]]>";
         assert_eq!(shape(text), (2, 0));
         assert_eq!(shape("<a><b><c/></b><b></b></a>"), (0, 2));
         assert_eq!(shape("<a b='1' c='2' d="), (3, 1));
+        let whole = Shape::of("<a xmlns:b='c'><d e='' f=''/><g/></a>");
+        assert_eq!((whole.attributes_in_all, whole.namespaces), (3, 1));
     }
 
     #[test]

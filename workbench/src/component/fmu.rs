@@ -19,6 +19,8 @@ use super::{Component, ComponentError};
 const DESCRIPTION: &str = "modelDescription.xml";
 /// Largest description that is read [bytes]: some 50,000 variables.
 const LARGEST_DESCRIPTION: u64 = 16 << 20;
+/// Largest binary whose headers are looked at [bytes]: it is held in memory meanwhile.
+const LARGEST_BINARY: u64 = 128 << 20;
 
 /// What FMUs wrote to their log, oldest first.
 pub(super) type Log = Arc<Mutex<Vec<String>>>;
@@ -71,7 +73,8 @@ impl Fmu {
             reason,
         };
         let file = binary_file(&archive, &description).map_err(binary)?;
-        let content = fs::read(&file).map_err(|error| binary(error.to_string()))?;
+        let content =
+            read_up_to(&file, LARGEST_BINARY).map_err(|error| binary(error.to_string()))?;
         binary_header::check(&content).map_err(|error| binary(error.to_string()))?;
         drop(content);
         // SAFETY: loading runs the library's initialisers, as the user asks for by naming the FMU.
@@ -148,13 +151,19 @@ fn with_causes(error: &dyn Error) -> String {
 
 /// The text of a description, if it is of a size that can be read in no time.
 fn description_text(file: &Path) -> io::Result<String> {
+    let bytes = read_up_to(file, LARGEST_DESCRIPTION)?;
+    String::from_utf8(bytes).map_err(io::Error::other)
+}
+
+/// The content of a file of at most so many bytes.
+fn read_up_to(file: &Path, largest: u64) -> io::Result<Vec<u8>> {
     let size = fs::metadata(file)?.len();
-    if size > LARGEST_DESCRIPTION {
+    if size > largest {
         return Err(io::Error::other(format!(
-            "it has {size} bytes; more than {LARGEST_DESCRIPTION} are not read"
+            "it has {size} bytes; more than {largest} are not read"
         )));
     }
-    fs::read_to_string(file)
+    fs::read(file)
 }
 
 /// Empties the log into the end of a message.

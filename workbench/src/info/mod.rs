@@ -151,6 +151,9 @@ fn files(directory: &Path, prefix: &str) -> Vec<(String, u64)> {
     found
 }
 
+/// Names longer than this stand out of their column: an FMU may have one of a mebibyte, and a hundred thousand others.
+const WIDEST_COLUMN: usize = 60;
+
 fn describe_variables(variables: &[Variable], provenance: &BTreeMap<String, Provenance>) -> String {
     let mut text = String::new();
     let groups = [
@@ -168,7 +171,8 @@ fn describe_variables(variables: &[Variable], provenance: &BTreeMap<String, Prov
             continue;
         }
         let _ = writeln!(text, "{title}");
-        let width = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
+        let widest = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
+        let width = widest.min(WIDEST_COLUMN);
         for row in rows {
             let unit = if row.kind == Kind::Boolean {
                 "true/false"

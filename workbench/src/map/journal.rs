@@ -41,13 +41,15 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal of the map with this identity, or begins it; returns the rows it holds.
+    /// Opens the journal of the map with this identity and so many rows and columns, or begins it; returns the rows it
+    /// holds.
     ///
     /// # Errors
     /// [`JournalError`] where the file belongs to another map or cannot be used.
     pub fn open(
         path: &Path,
         identity: &str,
+        shape: (usize, usize),
     ) -> Result<(Self, BTreeMap<usize, Vec<Point>>), JournalError> {
         let failed = |step| {
             move |source| JournalError::Io {
@@ -67,7 +69,7 @@ impl Journal {
         };
         let (sound, rows) = match text.strip_prefix(head.as_str()) {
             Some(body) => {
-                let (length, rows) = read_rows(body);
+                let (length, rows) = read_rows(body, shape);
                 (head.len() + length, rows)
             }
             // A head that was cut off in the middle holds no row.
@@ -137,8 +139,9 @@ impl Journal {
     }
 }
 
-/// The rows in a journal's body and the length of the part that is sound: a block that was cut off does not count.
-fn read_rows(body: &str) -> (usize, BTreeMap<usize, Vec<Point>>) {
+/// The rows in a journal's body and the length of the part that is sound: a block that was cut off does not count, nor one
+/// that is no row of such a map.
+fn read_rows(body: &str, (count, columns): (usize, usize)) -> (usize, BTreeMap<usize, Vec<Point>>) {
     let mut rows = BTreeMap::new();
     let mut sound = 0;
     let mut rest = body;
@@ -153,6 +156,9 @@ fn read_rows(body: &str) -> (usize, BTreeMap<usize, Vec<Point>>) {
         else {
             break;
         };
+        if row >= count || points.len() != columns {
+            break;
+        }
         rows.insert(row, points);
         sound = body.len() - after.len();
         rest = after;
@@ -168,31 +174,34 @@ mod tests {
     fn finished_rows_are_kept_and_torn_ones_are_not() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("deep/map.journal");
-        let (journal, rows) = Journal::open(&path, "settings").unwrap();
+        let (journal, rows) = Journal::open(&path, "settings", (5, 2)).unwrap();
         assert!(rows.is_empty());
         journal.add(3, &[Point::failed(), Point::failed()]).unwrap();
         drop(journal);
         let whole = fs::read_to_string(&path).unwrap();
-        fs::write(&path, format!("{whole}row 4\nstick_sl")).unwrap();
-        let (journal, rows) = Journal::open(&path, "settings").unwrap();
-        assert_eq!(rows.keys().copied().collect::<Vec<_>>(), [3]);
-        assert_eq!(rows[&3].len(), 2);
-        journal.add(4, &[Point::failed()]).unwrap();
-        assert_eq!(Journal::open(&path, "settings").unwrap().1.len(), 2);
+        for torn in ["row 4\nstick_sl", "row 5\nend\n", "row 4\nend\n"] {
+            fs::write(&path, format!("{whole}{torn}")).unwrap();
+            let (_, rows) = Journal::open(&path, "settings", (5, 2)).unwrap();
+            assert_eq!(rows.keys().copied().collect::<Vec<_>>(), [3], "{torn}");
+            assert_eq!(rows[&3].len(), 2);
+        }
+        let (journal, _) = Journal::open(&path, "settings", (5, 2)).unwrap();
+        journal.add(4, &[Point::failed(), Point::failed()]).unwrap();
+        assert_eq!(Journal::open(&path, "settings", (5, 2)).unwrap().1.len(), 2);
     }
 
     #[test]
     fn the_journal_of_another_map_is_left_alone() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("map.journal");
-        Journal::open(&path, "settings")
+        Journal::open(&path, "settings", (1, 0))
             .unwrap()
             .0
             .add(0, &[])
             .unwrap();
         let before = fs::read(&path).unwrap();
         assert!(matches!(
-            Journal::open(&path, "others"),
+            Journal::open(&path, "others", (1, 0)),
             Err(JournalError::OtherSettings { .. })
         ));
         assert_eq!(fs::read(&path).unwrap(), before);

@@ -36,7 +36,11 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Whatever is wrong with the arguments or the model.
 pub fn command(arguments: &MapArguments) -> anyhow::Result<Outcome> {
     let settings = arguments.settings()?;
-    let (journal, kept) = Journal::open(&arguments.out.join("map.journal"), &settings.identity())?;
+    let (journal, kept) = Journal::open(
+        &arguments.out.join("map.journal"),
+        &settings.identity(),
+        (settings.rows(), settings.columns()),
+    )?;
     ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed))
         .context("interrupts cannot be caught")?;
     let bar = ProgressBar::new(settings.points() as u64)

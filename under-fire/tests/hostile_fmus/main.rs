@@ -1,104 +1,18 @@
 //! FMUs made to do harm, given to every command that opens one: refused with a reason, in no time and little memory.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
 
+mod costly;
+mod fmu;
+
 use std::fmt::Write as _;
-use std::fs::{self, File};
+use std::fs;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
+use fmu::{BINARY, Fmu, deflated, description, refused};
 use under_fire::component::{Component, REDUCED_RIG};
-use under_fire::{library, program};
+use under_fire::library;
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipWriter};
-
-/// Processor time that a refusal may take [s].
-const SECONDS: f64 = 2.0;
-/// Memory that a refusal may take [MiB].
-const MEBIBYTES: f64 = 200.0;
-
-const BINARY: &str = "binaries/x86_64-linux/ReducedRig.so";
-
-fn description(token: &str, variables: &str) -> String {
-    format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"3.0\" modelName=\"Rig\" \
-         instantiationToken=\"{token}\"><CoSimulation modelIdentifier=\"ReducedRig\"/><ModelVariables>\
-         <Float64 name=\"time\" valueReference=\"0\" causality=\"independent\" variability=\"continuous\"/>\
-         <Float64 name=\"u\" valueReference=\"1\" causality=\"input\" start=\"0\"/>\
-         <Float64 name=\"N2\" valueReference=\"2\" causality=\"input\" start=\"0\"/>{variables}</ModelVariables>\
-         <ModelStructure/></fmiModelDescription>"
-    )
-}
-
-fn deflated() -> SimpleFileOptions {
-    SimpleFileOptions::default().compression_method(CompressionMethod::Deflated)
-}
-
-struct Fmu {
-    path: PathBuf,
-    writer: ZipWriter<File>,
-}
-
-impl Fmu {
-    fn new(folder: &Path, name: &str) -> Self {
-        let path = folder.join(format!("{name}.fmu"));
-        let writer = ZipWriter::new(File::create(&path).unwrap());
-        Self { path, writer }
-    }
-
-    fn file(mut self, name: &str, content: impl AsRef<[u8]>) -> Self {
-        self.writer.start_file(name, deflated()).unwrap();
-        self.writer.write_all(content.as_ref()).unwrap();
-        self
-    }
-
-    fn finish(self) -> PathBuf {
-        self.writer.finish().unwrap();
-        self.path
-    }
-}
-
-/// Gives the FMU to `stickslip info`, `stickslip simulate` and `build-fmu check`, and looks at what they say and take.
-fn refused(fmu: &Path, by_info: bool, reasons: &[&str]) {
-    let out = fmu.with_extension("out");
-    let stickslip = program::find("stickslip").unwrap();
-    let mut simulate = Command::new(&stickslip);
-    simulate
-        .arg("simulate")
-        .arg(fmu)
-        .args(["--speed-rpm", "55", "--normal-force", "50", "--out"])
-        .arg(&out);
-    let mut check = Command::new(program::find("build-fmu").unwrap());
-    check.arg("check").arg(fmu);
-    let mut info = Command::new(&stickslip);
-    info.arg("info").arg(fmu);
-    let mut commands = vec![("simulate", simulate, 2)];
-    if by_info {
-        commands.push(("info", info, 2));
-    }
-    commands.push(("check", check, 1));
-    for (name, mut command, code) in commands {
-        let ended = program::run(&mut command).unwrap();
-        let found = ended.status.code();
-        assert!(
-            found == Some(code) || name == "check" && found == Some(2),
-            "{name} {}: {:?}\n{}",
-            fmu.display(),
-            ended.status,
-            ended.said
-        );
-        let reason = name == "check" || reasons.iter().any(|reason| ended.said.contains(reason));
-        assert!(reason, "{name} {}: {}", fmu.display(), ended.said);
-        assert!(
-            ended.seconds < SECONDS && ended.mebibytes < MEBIBYTES,
-            "{name} {}: {} s, {} MiB",
-            fmu.display(),
-            ended.seconds,
-            ended.mebibytes
-        );
-    }
-    assert!(!out.exists(), "something was written for {}", fmu.display());
-}
 
 #[test]
 fn archives_that_reach_outside_or_pretend() {
