@@ -44,7 +44,7 @@ radius = 0.075
 type Run = Simulation<f64, Rig<f64>>;
 
 /// A state in which disc and motor turn forward: angles [rad], speeds [rad/s], current [A].
-const SLIPPING: [f64; STATES] = [0.0, 5.0, 1.3, 5.76, 1.4, 0.0, 0.0, 0.0];
+const SLIPPING: [f64; STATES] = [0.0, 5.0, 1.3, 5.76, 1.4, 0.0, 0.0, 0.0, 0.0, 0.0];
 
 fn start(law: &str, numbers: &str, state: [f64; STATES]) -> Run {
     let text = format!("{MACHINE}law = \"{law}\"\n{numbers}\n");

@@ -3,7 +3,7 @@
 use crate::component::{Component, build, shipped_model};
 use build_fmu::platform::FmiVersion;
 use stickslip::integrator::{Options, Simulation};
-use stickslip::plant::{Rig, RigInputs, RigKind, STATES};
+use stickslip::plant::{self, Rig, RigInputs, RigKind};
 
 const SPEED: f64 = 55.0 * std::f64::consts::TAU / 60.0;
 const NORMAL_FORCE: f64 = 50.0;
@@ -31,7 +31,7 @@ fn largest_difference(model: &str, version: FmiVersion, step: f64, steps: u32) -
         NORMAL_FORCE,
         if full { 0.5 * NORMAL_FORCE } else { 0.0 },
     );
-    let mut native = Simulation::new(rig, Options::default(), 0.0, [0.0; STATES], inputs).unwrap();
+    let mut native = Simulation::new(rig, Options::default(), 0.0, [0.0; plant::STATES], inputs).unwrap();
     let mut largest: f64 = 0.0;
     for number in 1..=steps {
         component.step_to(f64::from(number) * step);

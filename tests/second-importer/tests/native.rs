@@ -5,7 +5,7 @@ use fmi::fmi3::import::Fmi3Import;
 use second_importer::{Component, build, root};
 use std::path::PathBuf;
 use stickslip::integrator::{Options, Simulation};
-use stickslip::plant::{Rig, RigInputs, RigKind, STATES};
+use stickslip::plant::{self, Rig, RigInputs, RigKind};
 
 const SPEED: f64 = 55.0 * std::f64::consts::TAU / 60.0;
 const NORMAL_FORCE: f64 = 50.0;
@@ -60,7 +60,7 @@ impl Rigs {
         let inputs = self.inputs();
         let outer = inputs.get(2).map_or(0.0, |(_, force)| *force);
         let inputs = RigInputs::held(inputs[0].1, NORMAL_FORCE, outer);
-        Simulation::new(self.rig, Options::default(), 0.0, [0.0; STATES], inputs).unwrap()
+        Simulation::new(self.rig, Options::default(), 0.0, [0.0; plant::STATES], inputs).unwrap()
     }
 }
 
