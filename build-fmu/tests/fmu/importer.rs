@@ -31,7 +31,8 @@ fn largest_difference(model: &str, version: FmiVersion, step: f64, steps: u32) -
         NORMAL_FORCE,
         if full { 0.5 * NORMAL_FORCE } else { 0.0 },
     );
-    let mut native = Simulation::new(rig, Options::default(), 0.0, [0.0; plant::STATES], inputs).unwrap();
+    let mut native =
+        Simulation::new(rig, Options::default(), 0.0, [0.0; plant::STATES], inputs).unwrap();
     let mut largest: f64 = 0.0;
     for number in 1..=steps {
         component.step_to(f64::from(number) * step);

@@ -60,7 +60,14 @@ impl Rigs {
         let inputs = self.inputs();
         let outer = inputs.get(2).map_or(0.0, |(_, force)| *force);
         let inputs = RigInputs::held(inputs[0].1, NORMAL_FORCE, outer);
-        Simulation::new(self.rig, Options::default(), 0.0, [0.0; plant::STATES], inputs).unwrap()
+        Simulation::new(
+            self.rig,
+            Options::default(),
+            0.0,
+            [0.0; plant::STATES],
+            inputs,
+        )
+        .unwrap()
     }
 }
 
