@@ -1,15 +1,17 @@
-//! `peers derivatives`: what eight derivatives cost beside the run that they belong to, for every law and both rigs.
+//! `peers derivatives`: what eight derivatives cost beside the run that they belong to, for every law on both
+//! rigs and for every effect on the reduced one.
 
 use std::fmt::Write;
 use std::hint::black_box;
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use cpu_time::ProcessTime;
 use stickslip::integrator::{self, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES, sensitivities};
 
+use crate::effects::EFFECTS;
 use crate::files::write_atomically;
 use crate::laws::LAWS;
 use crate::systems::{self, END_TIME};
@@ -23,7 +25,7 @@ const REPETITIONS: u32 = 40;
 /// Number of parameters differentiated by.
 const COUNT: usize = 8;
 
-/// Parameters of every rig; the law's own fill up to [`COUNT`].
+/// Parameters of every rig; they fill up to [`COUNT`] behind those of the law or the effect.
 const COMMON: [&str; 8] = [
     "disc.inertia",
     "shaft.stiffness",
@@ -34,8 +36,11 @@ const COMMON: [&str; 8] = [
     "gearbox.ratio",
     "motor.inertia",
 ];
-/// How many of the law's parameters are asked for at most.
-const OF_THE_LAW: usize = 3;
+/// How many parameters of the law or the effect are asked for at most.
+const OWN: usize = 3;
+
+/// Law under which effects are timed.
+const LAW_OF_EFFECTS: &str = "stribeck";
 
 /// Options of `peers derivatives`.
 #[derive(Args, Debug)]
@@ -43,7 +48,7 @@ pub struct Options {
     /// Folder for derivatives.md.
     #[arg(long, default_value = "docs")]
     out: PathBuf,
-    /// Only this law, without writing the page.
+    /// Only this law (or effect), without writing the page.
     #[arg(long)]
     law: Option<String>,
     /// End with exit code 1 when the bar is missed.
@@ -57,8 +62,8 @@ pub struct Options {
 /// When a model is refused, a run fails or the page cannot be written.
 pub fn run(options: &Options) -> Result<bool> {
     let wanted = |law: &str| options.law.as_ref().is_none_or(|only| only == law);
-    let costs = costs(wanted)?;
-    let page = page(&costs);
+    let (costs, with_effects) = (costs(wanted)?, costs_with_effects(wanted)?);
+    let page = page(&costs, &with_effects);
     print!("{page}");
     if options.law.is_none() {
         write_atomically(&options.out.join("derivatives.md"), &page)?;
@@ -99,26 +104,43 @@ fn costs(wanted: impl Fn(&str) -> bool) -> Result<Vec<Cost>> {
             } else {
                 "reduced"
             };
-            costs.push(cost(format!("{law}, {which} rig"), rig, inputs)?);
+            let own = rig.law.section().infos().iter().map(|info| info.key);
+            let own = own.map(|key| format!("contact.{key}")).collect();
+            costs.push(cost(format!("{law}, {which} rig"), rig, inputs, own)?);
         }
     }
     Ok(costs)
 }
 
-fn cost(name: String, rig: Rig<f64>, inputs: RigInputs<f64>) -> Result<Cost> {
-    let parameters = rig.parameters();
-    let of_law = rig.law.section().infos().iter().map(|info| info.key);
-    let mut names: Vec<String> = of_law
-        .take(OF_THE_LAW)
-        .map(|key| format!("contact.{key}"))
-        .collect();
+/// Times every `wanted` effect alone on the reduced rig.
+fn costs_with_effects(wanted: impl Fn(&str) -> bool) -> Result<Vec<Cost>> {
+    let [system, ..] = systems::all();
+    let numbers = LAWS.iter().find(|(law, _)| *law == LAW_OF_EFFECTS);
+    let (law, numbers) = numbers.context("the law of the effects is timed alone, too")?;
+    let model = system.model_with_law(&format!("law = \"{law}\"\n{numbers}\n"));
+    let inputs = RigInputs::held(system.voltage(), system.normal_force, 0.0);
+    let mut costs = Vec::new();
+    for (effect, numbers) in EFFECTS.into_iter().filter(|(effect, _)| wanted(effect)) {
+        let rig = Rig::from_toml(&format!("{model}\n[{effect}]\n{numbers}\n"), effect)?;
+        let own = rig.parameters().into_iter().map(|parameter| parameter.name);
+        let own = own
+            .filter(|name| name.starts_with(effect) && !name.ends_with("seed"))
+            .collect();
+        costs.push(cost(effect.to_owned(), rig, inputs, own)?);
+    }
+    Ok(costs)
+}
+
+/// Times one rig; of its `own` parameters the first are asked for.
+fn cost(
+    name: String,
+    rig: Rig<f64>,
+    inputs: RigInputs<f64>,
+    mut names: Vec<String>,
+) -> Result<Cost> {
+    names.truncate(OWN);
     names.extend(COMMON.map(String::from));
     names.truncate(COUNT);
-    debug_assert!(
-        names
-            .iter()
-            .all(|n| parameters.iter().any(|p| p.name == *n))
-    );
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let (options, start) = (integrator::Options::default(), [0.0; STATES]);
     let mut cost = Cost {
@@ -143,7 +165,7 @@ fn cost(name: String, rig: Rig<f64>, inputs: RigInputs<f64>) -> Result<Cost> {
 }
 
 /// The page, as Markdown.
-fn page(costs: &[Cost]) -> String {
+fn page(costs: &[Cost], with_effects: &[Cost]) -> String {
     let mut text = format!(
         "# Cost of derivatives\n\nMade by `cargo run --release -p peers --no-default-features -- derivatives`. Each run: 60 s from \
          rest at a tolerance of {:e}, the smallest processor time of {REPETITIONS}, plain and with the derivatives of the \
@@ -152,6 +174,18 @@ fn page(costs: &[Cost]) -> String {
          | law, rig | plain run [ms] | with eight derivatives [ms] | plain runs |\n|---|---:|---:|---:|\n",
         integrator::Options::DEFAULT_TOLERANCE
     );
+    rows(costs, &mut text);
+    let _ = write!(
+        text,
+        "\n## With effects\n\nThe reduced rig under the law `{LAW_OF_EFFECTS}` with one effect; up to three of the eight parameters are the \
+         effect's. Rigs with effects carry their derivatives as dual numbers.\n\n\
+         | effect | plain run [ms] | with eight derivatives [ms] | plain runs |\n|---|---:|---:|---:|\n"
+    );
+    rows(with_effects, &mut text);
+    text
+}
+
+fn rows(costs: &[Cost], text: &mut String) {
     for cost in costs {
         let _ = writeln!(
             text,
@@ -162,5 +196,4 @@ fn page(costs: &[Cost]) -> String {
             cost.ratio()
         );
     }
-    text
 }

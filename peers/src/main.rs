@@ -10,6 +10,7 @@ mod derivatives;
 #[cfg(feature = "diffsol")]
 mod diffsol_rig;
 mod do_step;
+mod effects;
 mod effort;
 mod files;
 mod fmu;
