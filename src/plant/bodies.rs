@@ -118,7 +118,6 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         let twist_rate = x[OMEGA][k] - x[OMEGA3][k];
         let mut shaft_torque = rig.shaft.damping * twist_rate;
         if self.has_effects {
-            jet.twist[k] = twist;
             if mode.coupling == Coupling::Free {
                 twist = S::ZERO;
                 shaft_torque = S::ZERO;

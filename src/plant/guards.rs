@@ -1,7 +1,7 @@
 //! What ends each mode: the guards' series, collected from the series just computed.
 
 use super::bristle::{Bristle, bristle_guards};
-use super::index::{BRISTLE, BRISTLE1, OMEGA, OMEGA1, OMEGA3};
+use super::index::{BRISTLE, BRISTLE1, OMEGA, OMEGA1, OMEGA3, THETA, THETA3};
 use super::jet::PinJet;
 use super::{Contact, Coupling, Rig, RigGuard, RigJet, RigMode};
 use crate::friction::{ContactMode, Direction, Law, Regime};
@@ -73,7 +73,6 @@ impl<S: Scalar> Rig<S> {
             disc,
             disc1,
             motor_torque,
-            twist,
             order,
             ..
         } = jet;
@@ -125,8 +124,8 @@ impl<S: Scalar> Rig<S> {
         if let Some(backlash) = &self.effects.backlash {
             let half = backlash.gap * 0.5;
             let distance = |sign: f64, inward: f64| {
-                move |k: usize, twist: &Series<S>| {
-                    let value = twist[k] * sign;
+                move |k: usize| {
+                    let value = (states[THETA][k] - states[THETA3][k]) * sign;
                     let value = if k == 0 { value - half } else { value };
                     value * inward
                 }
@@ -134,17 +133,17 @@ impl<S: Scalar> Rig<S> {
             match mode.coupling {
                 Coupling::Ahead => {
                     let f = distance(1.0, 1.0);
-                    watcher.watch(RigGuard::Play(Coupling::Free), |k| f(k, twist));
+                    watcher.watch(RigGuard::Play(Coupling::Free), f);
                 }
                 Coupling::Behind => {
                     let f = distance(-1.0, 1.0);
-                    watcher.watch(RigGuard::Play(Coupling::Free), |k| f(k, twist));
+                    watcher.watch(RigGuard::Play(Coupling::Free), f);
                 }
                 Coupling::Free => {
                     let f = distance(1.0, -1.0);
-                    watcher.watch(RigGuard::Play(Coupling::Ahead), |k| f(k, twist));
+                    watcher.watch(RigGuard::Play(Coupling::Ahead), f);
                     let f = distance(-1.0, -1.0);
-                    watcher.watch(RigGuard::Play(Coupling::Behind), |k| f(k, twist));
+                    watcher.watch(RigGuard::Play(Coupling::Behind), f);
                 }
             }
         }

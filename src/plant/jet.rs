@@ -56,7 +56,6 @@ pub struct RigJet<S> {
     /// Apart, so that the reduced rig does not carry it.
     pub(super) disc1: Option<Box<PinJet<S>>>,
     pub(super) motor_torque: Series<S>,
-    pub(super) twist: Series<S>,
     pub(super) voltage: Series<S>,
     pub(super) voltage_is_constant: bool,
     pub(super) parts: LinearParts<S>,
@@ -136,7 +135,6 @@ impl<S: Scalar> RigJet<S> {
                 .as_ref()
                 .map(|outer| Box::new(PinJet::new(&outer.law))),
             motor_torque: zero,
-            twist: zero,
             voltage: zero,
             voltage_is_constant: true,
             parts,
