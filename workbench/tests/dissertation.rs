@@ -187,12 +187,12 @@ fn numbers_of_a_target_that_cannot_be_are_refused() {
         (
             "smallest_loop_margin = 0.5",
             "smallest_loop_margin = nan",
-            "finite",
+            "below 1",
         ),
         ("speed_rpm = 55.0", "speed_rpm = inf", "finite"),
         ("normal_force = 50.0", "normal_force = nan", "finite"),
-        ("value = 0.8", "value = nan", "finite value"),
-        ("bar = 0.01", "bar = nan", "bar above 0"),
+        ("value = 0.8", "value = nan", "must be finite"),
+        ("bar = 0.01", "bar = nan", "above 0, such as"),
         ("bar = 0.01", "bar = 0.01, weight = inf", "weight"),
         ("maximum = 1.0", "maximum = nan", "contact.a1"),
     ] {

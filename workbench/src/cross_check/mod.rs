@@ -73,7 +73,6 @@ pub fn command(arguments: &CrossCheckArguments) -> anyhow::Result<Outcome> {
         arguments.speed_rpm
     );
     let source = Source::read(&arguments.model)?;
-    let library = library::find(arguments.library.as_deref())?;
     let mut native = component::open(&arguments.model)?;
     let drive = Drive::from_speed(
         native.as_ref(),
@@ -82,6 +81,7 @@ pub fn command(arguments: &CrossCheckArguments) -> anyhow::Result<Outcome> {
         arguments.normal_force,
         arguments.normal_force_1,
     )?;
+    let library = library::find(arguments.library.as_deref())?;
     let schedule = Schedule::new(drive.start(), arguments.duration, STEP)?;
     let record = simulate(native.as_mut(), &drive, &schedule)?;
     let named = |role: Role| -> Vec<String> {
