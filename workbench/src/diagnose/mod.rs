@@ -5,7 +5,7 @@
 //! free within their uncertainty and with random friction as a nuisance.
 
 pub mod amend;
-mod bristle_start;
+pub mod bristle_start;
 pub mod case;
 pub mod catalogue;
 pub mod command;
