@@ -186,11 +186,13 @@ fn descriptions_whose_parts_name_each_other() {
         &["there is none for"],
     );
 
-    let units = repeated(third, |n| format!("<Unit name=\"u{n}\"/>"));
-    let types = repeated(third, |n| {
+    // As many as the limit on attributes allows.
+    let fewer = 3 << 20;
+    let units = repeated(fewer, |n| format!("<Unit name=\"u{n}\"/>"));
+    let types = repeated(fewer, |n| {
         format!("<Float64Type name=\"t{n}\" unit=\"u{n}\"/>")
     });
-    let typed = repeated(third, |n| {
+    let typed = repeated(fewer, |n| {
         format!(
             "<Float64 name=\"v{n}\" valueReference=\"{}\" declaredType=\"t{n}\"/>",
             n + 3

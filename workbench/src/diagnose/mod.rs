@@ -23,7 +23,6 @@ mod law_starts;
 pub mod load_cell;
 pub mod located;
 pub mod losses;
-mod lost_starts;
 pub mod marginal;
 pub mod naming;
 pub mod progress;

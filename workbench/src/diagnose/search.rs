@@ -243,10 +243,8 @@ pub fn try_all(
 fn compared(data: &Data, base: Fit, fits: Vec<(&'static Entry, Fit)>, scale: f64) -> Vec<Tried> {
     let mut base = base;
     let mut fits = fits;
-    base.find_lost_starts(data);
     for (_, fitted) in &mut fits {
         fitted.share_starts(data, &base);
-        fitted.find_lost_starts(data);
         base.share_starts(data, fitted);
     }
     let folds = folds(data);

@@ -67,12 +67,6 @@ impl Window {
         }
         moved
     }
-
-    /// Whether it starts with a disc that sticks.
-    pub fn sticks(&self) -> bool {
-        let at = START_COMPONENTS.iter().position(|&c| c == index::OMEGA);
-        at.is_some_and(|at| self.deviations[at] <= AT_REST)
-    }
 }
 
 /// How the disc moves about a sample, as far as the readings tell.
