@@ -1,7 +1,7 @@
 //! Values, variables, derivatives and parameters that cannot be.
 
 use crate::importer::{Component, Fmi2, Instance, REDUCED_RIG};
-use crate::{BOTH, CASE, goes_on, recovers, said};
+use crate::{BOTH, CASE, goes_on, goes_on_nearly, recovers, said};
 use stickslip::ffi::Status::{self, Discard, Error, Ok};
 
 #[test]
@@ -225,8 +225,9 @@ fn numbers_that_overflow_are_discarded_and_never_handed_out() {
         instance.set("u", 1e308);
         assert_eq!(instance.try_output_derivative("i", 2), Err(Discard));
         said(&instance.log, Discard, &["OutputDerivatives"]);
-        instance.reset();
-        instance.initialize(0.0, &CASE);
-        goes_on(&component, &mut instance, 1.0);
+        for (name, value) in CASE {
+            instance.set(name, value);
+        }
+        goes_on_nearly(&component, &mut instance, 1.0);
     }
 }
