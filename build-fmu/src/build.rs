@@ -8,7 +8,8 @@ use stickslip::cosim::{self, CoSimulationModel, MODEL_FILE, ModelError};
 use thiserror::Error;
 
 use crate::archive::{ArchiveError, write_atomically};
-use crate::binary_check::{self, BinaryError, Expectation};
+use crate::binary_check::{self, Expectation};
+use crate::binary_error::BinaryError;
 use crate::contents::{ContentsError, contents};
 use crate::library::Library;
 use crate::model_description::{Facts, XmlError, model_description};

@@ -6,6 +6,7 @@
 
 pub mod archive;
 pub mod binary_check;
+pub mod binary_error;
 pub mod binary_header;
 pub mod build;
 pub mod contents;

@@ -77,7 +77,10 @@ fn goes_on_nearly(component: &Component, instance: &mut Instance<'_>, end: f64) 
     let found = outputs(instance);
     for (name, (found, expected)) in OUTPUTS.iter().zip(found.iter().zip(&expected)) {
         let (found, expected) = (f64::from_bits(*found), f64::from_bits(*expected));
-        assert!((found - expected).abs() < 1e-9, "{name}: {found} for {expected}");
+        assert!(
+            (found - expected).abs() < 1e-9,
+            "{name}: {found} for {expected}"
+        );
     }
 }
 

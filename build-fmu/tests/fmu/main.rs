@@ -10,3 +10,4 @@ mod component;
 mod importer;
 mod kept_copies;
 mod mutations;
+mod spoiled;

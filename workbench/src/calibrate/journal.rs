@@ -4,42 +4,16 @@
 //! that is begun again takes the kept ones instead of running, and so arrives where it was.
 
 use std::collections::VecDeque;
-use std::fs::{self, OpenOptions};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use thiserror::Error;
-
-/// Why a journal cannot be used.
-#[derive(Debug, Error)]
-pub enum JournalError {
-    /// The file could not be read or written.
-    #[error("{path}: cannot {step}: {source}")]
-    Io {
-        /// The journal.
-        path: PathBuf,
-        /// What was being done.
-        step: &'static str,
-        /// The operating system's reason.
-        source: io::Error,
-    },
-    /// It belongs to another model or target.
-    #[error(
-        "{path}: belongs to another model or target; finish that search, remove the file or name another directory"
-    )]
-    Other {
-        /// The journal.
-        path: PathBuf,
-    },
-}
+use crate::files::journal::{JournalError, JournalFile};
 
 /// The costs judged so far.
 #[derive(Debug)]
 pub struct Journal {
-    path: PathBuf,
+    /// `None` for a search that leaves no trace, for tests and for callers that do not need one.
+    file: Option<JournalFile>,
     kept: VecDeque<f64>,
-    /// A search that leaves no trace, for tests and for callers that do not need one.
-    in_memory: bool,
 }
 
 impl Journal {
@@ -48,52 +22,11 @@ impl Journal {
     /// # Errors
     /// [`JournalError`] where the file belongs to another search or cannot be used.
     pub fn open(path: &Path, identity: &str) -> Result<Self, JournalError> {
-        let failed = |step| {
-            move |source| JournalError::Io {
-                path: path.to_owned(),
-                step,
-                source,
-            }
-        };
-        if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent).map_err(failed("make its directory"))?;
-        }
-        let head = format!("{identity:?}\n");
-        let text = match fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(failed("be read")(error)),
-        };
-        let (kept, sound) = match text.strip_prefix(head.as_str()) {
-            Some(body) => {
-                let (costs, length) = read_costs(body);
-                (costs, head.len() + length)
-            }
-            // A head that was cut off holds nothing.
-            None if head.starts_with(&text) => (VecDeque::new(), 0),
-            None => {
-                return Err(JournalError::Other {
-                    path: path.to_owned(),
-                });
-            }
-        };
-        let mut file = OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(path)
-            .map_err(failed("be opened to write"))?;
-        // What a cut-off last line left behind must not run into the next one; no whole line is written anew, so that
-        // none is lost if this is killed.
-        file.set_len(sound as u64)
-            .map_err(failed("be cut to its whole lines"))?;
-        if sound == 0 {
-            file.write_all(head.as_bytes())
-                .map_err(failed("be written"))?;
-        }
+        let other = "another model or target";
+        let (file, kept) = JournalFile::open(path, identity, other, read_costs)?;
         Ok(Self {
-            path: path.to_owned(),
+            file: Some(file),
             kept,
-            in_memory: false,
         })
     }
 
@@ -101,9 +34,8 @@ impl Journal {
     #[must_use]
     pub fn none() -> Self {
         Self {
-            path: PathBuf::new(),
+            file: None,
             kept: VecDeque::new(),
-            in_memory: true,
         }
     }
 
@@ -127,22 +59,14 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Io`] where the file cannot be written.
     pub fn append(&self, costs: &[f64]) -> Result<(), JournalError> {
-        if self.in_memory {
+        let Some(file) = &self.file else {
             return Ok(());
-        }
+        };
         let lines: String = costs
             .iter()
             .map(|cost| format!("{:016x}\n", cost.to_bits()))
             .collect();
-        OpenOptions::new()
-            .append(true)
-            .open(&self.path)
-            .and_then(|mut file| file.write_all(lines.as_bytes()))
-            .map_err(|source| JournalError::Io {
-                path: self.path.clone(),
-                step: "be written",
-                source,
-            })
+        file.append(&lines)
     }
 
     /// Removes the file; the search is done.
@@ -150,19 +74,12 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Io`] where it cannot be removed.
     pub fn remove(self) -> Result<(), JournalError> {
-        if self.in_memory {
-            return Ok(());
-        }
-        fs::remove_file(&self.path).map_err(|source| JournalError::Io {
-            path: self.path.clone(),
-            step: "be removed",
-            source,
-        })
+        self.file.map_or(Ok(()), JournalFile::remove)
     }
 }
 
-/// The costs of all whole lines, and the length of these lines.
-fn read_costs(body: &str) -> (VecDeque<f64>, usize) {
+/// The length of all whole lines, and their costs.
+fn read_costs(body: &str) -> (usize, VecDeque<f64>) {
     let mut costs = VecDeque::new();
     let mut sound = 0;
     for line in body.split_inclusive('\n') {
@@ -176,12 +93,13 @@ fn read_costs(body: &str) -> (VecDeque<f64>, usize) {
         costs.push_back(f64::from_bits(bits));
         sound += line.len();
     }
-    (costs, sound)
+    (sound, costs)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn costs_come_back_and_a_cut_off_line_is_dropped() {

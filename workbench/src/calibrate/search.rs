@@ -8,9 +8,10 @@ use stickslip::plant::Rig;
 
 use super::cost::Judgement;
 use super::evolution::Population;
-use super::journal::{Journal, JournalError};
+use super::journal::Journal;
 use super::simplex;
 use super::target::Target;
+use crate::files::journal::JournalError;
 
 /// Evaluations of the local search.
 pub const LOCAL_EVALUATIONS: usize = 250;

@@ -3,10 +3,11 @@
 use super::catalogue::entry;
 use super::data::Data;
 use super::fit::{Fit, fit};
+use super::gain::{folds, gain};
 use super::hypothesis::{Estimate, Hypothesis};
 use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
-use super::search::{Tried, WRONG, close_up, fit_entry, folds, gain, try_all};
+use super::search::{Tried, WRONG, close_up, fit_entry, try_all};
 use super::structure::{Structure, structures};
 
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all

@@ -17,6 +17,7 @@ pub mod experiment;
 pub mod finding;
 pub mod fit;
 pub mod forced;
+pub mod gain;
 pub mod gram;
 pub mod hypothesis;
 mod law_starts;

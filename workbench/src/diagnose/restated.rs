@@ -2,8 +2,8 @@
 
 use super::data::Data;
 use super::fit::{Fit, fit};
+use super::gain::{folds, gain};
 use super::hypothesis::Hypothesis;
-use super::search::{folds, gain};
 
 /// Gain in ln likelihood from which on refitted parameters close a gap that the analyst's leave.
 const LEAST_GAIN: f64 = 10.0;

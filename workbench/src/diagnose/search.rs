@@ -3,14 +3,11 @@
 use super::catalogue::{CATALOGUE, Entry, entry};
 use super::data::Data;
 use super::fit::{Fit, fit};
+use super::gain::{folds, gain};
 use super::hypothesis::Hypothesis;
-use super::losses::FAILED;
 use super::robust::Robust;
 use super::window::SHORT;
 use std::cmp::Ordering;
-
-/// Windows in a row that share a fold: what half of the blocks teach is judged on the other half.
-const BLOCK: usize = 4;
 
 /// A catalogue entry fitted on top of a base.
 #[derive(Clone, Debug)]
@@ -56,69 +53,6 @@ pub fn first_look(data: &Data, hypothesis: Hypothesis, base: &Fit, wrong: bool) 
     } else {
         carried
     }
-}
-
-/// Folds of the windows: blocks in turn.
-pub fn folds(data: &Data) -> Vec<usize> {
-    let mut folds = Vec::with_capacity(data.windows.len());
-    for j in 0..data.windows.len() {
-        folds.push((j / BLOCK) % 2);
-    }
-    folds
-}
-
-/// Gain of `candidate` over `base` on windows not fitted to, with its 95 % interval. A window on which they differ by much
-/// more than on almost all others counts no more than those: one of the two has not found its start.
-pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
-    // A window that one of the two could not run through says nothing about which is right.
-    let mut differences: Vec<f64> = base
-        .iter()
-        .zip(candidate)
-        .map(|(&b, &c)| {
-            if b >= FAILED || c >= FAILED {
-                0.0
-            } else {
-                0.5 * (b - c)
-            }
-        })
-        .collect();
-    let most = usual_size(&differences);
-    for difference in &mut differences {
-        *difference = difference.clamp(-most, most);
-    }
-    let blocks: Vec<f64> = differences
-        .chunks(BLOCK)
-        .map(|block| block.iter().sum())
-        .collect();
-    let total: f64 = blocks.iter().sum();
-    let mut state = 0x5DEE_CE66_D1CE_5EED_u64 ^ data.windows.len() as u64;
-    let mut resampled: Vec<f64> = (0..400)
-        .map(|_| {
-            (0..blocks.len())
-                .map(|_| {
-                    state = state
-                        .wrapping_mul(6_364_136_223_846_793_005)
-                        .wrapping_add(1_442_695_040_888_963_407);
-                    blocks[((state >> 33) as usize) % blocks.len()]
-                })
-                .sum()
-        })
-        .collect();
-    resampled.sort_by(f64::total_cmp);
-    (total, [resampled[9], resampled[389]])
-}
-
-/// Share of the windows that differ by no more than is usual.
-const USUAL_SHARE: f64 = 0.97;
-/// Difference of ln likelihood that is usual whatever the others are.
-const LEAST_USUAL: f64 = 20.0;
-
-/// The size that almost all of the windows' differences keep to.
-fn usual_size(differences: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let at = (USUAL_SHARE * sizes.len() as f64) as usize;
-    sizes.get(at).copied().unwrap_or(0.0).max(LEAST_USUAL)
 }
 
 /// Multiple of the size worth naming from which on an effect needs no more gain than any.

@@ -3,10 +3,10 @@
 
 use super::data::{Data, reduced};
 use super::fit::Fit;
+use super::gain::{folds, gain};
 use super::gram::{Gram, Place};
 use super::losses::held_out_losses;
 use super::robust::Robust;
-use super::search::{folds, gain};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 

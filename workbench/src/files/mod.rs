@@ -1,4 +1,5 @@
-//! Files: records (CSV) and writing whole or not at all.
+//! Files: records (CSV), writing whole or not at all, and journals of long work.
 
 pub mod atomic;
+pub mod journal;
 pub mod record;

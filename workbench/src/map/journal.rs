@@ -1,44 +1,14 @@
 //! The finished rows of a map that is being made, so that an interrupted one can be continued.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
-
-use thiserror::Error;
+use std::path::Path;
 
 use super::point::Point;
-
-/// Why a journal cannot be used.
-#[derive(Debug, Error)]
-pub enum JournalError {
-    /// The file could not be read or written.
-    #[error("{path}: cannot {step}: {source}")]
-    Io {
-        /// The journal.
-        path: PathBuf,
-        /// What was being done.
-        step: &'static str,
-        /// The operating system's reason.
-        source: io::Error,
-    },
-    /// It belongs to a map with other settings.
-    #[error(
-        "{path}: belongs to a map with other settings; finish that one, remove the file or name another directory"
-    )]
-    OtherSettings {
-        /// The journal.
-        path: PathBuf,
-    },
-}
+use crate::files::journal::{JournalError, JournalFile};
 
 /// A file to which each finished row is appended, in one piece.
 #[derive(Debug)]
-pub struct Journal {
-    path: PathBuf,
-    file: Mutex<File>,
-}
+pub struct Journal(JournalFile);
 
 impl Journal {
     /// Opens the journal of the map with this identity and so many rows and columns, or begins it; returns the rows it
@@ -51,53 +21,9 @@ impl Journal {
         identity: &str,
         shape: (usize, usize),
     ) -> Result<(Self, BTreeMap<usize, Vec<Point>>), JournalError> {
-        let failed = |step| {
-            move |source| JournalError::Io {
-                path: path.to_owned(),
-                step,
-                source,
-            }
-        };
-        let head = format!("{identity:?}\n");
-        if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent).map_err(failed("make its directory"))?;
-        }
-        let text = match fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(failed("be read")(error)),
-        };
-        let (sound, rows) = match text.strip_prefix(head.as_str()) {
-            Some(body) => {
-                let (length, rows) = read_rows(body, shape);
-                (head.len() + length, rows)
-            }
-            // A head that was cut off in the middle holds no row.
-            None if head.starts_with(&text) => (0, BTreeMap::new()),
-            None => {
-                return Err(JournalError::OtherSettings {
-                    path: path.to_owned(),
-                });
-            }
-        };
-        let mut file = OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(path)
-            .map_err(failed("be opened to write"))?;
-        file.set_len(sound as u64)
-            .map_err(failed("be cut to its finished rows"))?;
-        if sound == 0 {
-            file.write_all(head.as_bytes())
-                .map_err(failed("be written"))?;
-        }
-        Ok((
-            Self {
-                path: path.to_owned(),
-                file: Mutex::new(file),
-            },
-            rows,
-        ))
+        let other = "a map with other settings";
+        let (file, rows) = JournalFile::open(path, identity, other, |body| read_rows(body, shape))?;
+        Ok((Self(file), rows))
     }
 
     /// Adds a finished row.
@@ -111,19 +37,13 @@ impl Journal {
             block.push('\n');
         }
         block.push_str("end\n");
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.write_all(block.as_bytes())
-            .map_err(|source| JournalError::Io {
-                path: self.path.clone(),
-                step: "be written",
-                source,
-            })
+        self.0.append(&block)
     }
 
     /// Where it is.
     #[must_use]
     pub fn path(&self) -> &Path {
-        &self.path
+        self.0.path()
     }
 
     /// Removes it: the map is finished.
@@ -131,11 +51,7 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Io`] where the file cannot be removed.
     pub fn remove(self) -> Result<(), JournalError> {
-        fs::remove_file(&self.path).map_err(|source| JournalError::Io {
-            path: self.path,
-            step: "be removed",
-            source,
-        })
+        self.0.remove()
     }
 }
 
@@ -169,6 +85,7 @@ fn read_rows(body: &str, (count, columns): (usize, usize)) -> (usize, BTreeMap<u
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn finished_rows_are_kept_and_torn_ones_are_not() {
@@ -202,7 +119,7 @@ mod tests {
         let before = fs::read(&path).unwrap();
         assert!(matches!(
             Journal::open(&path, "others", (1, 0)),
-            Err(JournalError::OtherSettings { .. })
+            Err(JournalError::Foreign { .. })
         ));
         assert_eq!(fs::read(&path).unwrap(), before);
     }

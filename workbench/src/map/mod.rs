@@ -12,7 +12,7 @@ mod watch;
 
 pub use arguments::MapArguments;
 pub use grid::{Finished, run_rows};
-pub use journal::{Journal, JournalError};
+pub use journal::Journal;
 pub use point::{MOST_EXTREMA, Point, run_point};
 pub use settings::{Quantity, Settings, SettingsError, Varied};
 pub use span::Span;

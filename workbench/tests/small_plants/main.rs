@@ -2,149 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use std::f64::consts::TAU;
-use std::fmt::Write as _;
+mod records;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use workbench::diagnose::finding::{Finding, VerdictName};
 use workbench::diagnose::small_plant::finding::SmallFinding;
-use workbench::random::Random;
 
-const DRIVE: &str = r#"
-[plant]
-kind = "drive"
-path = "line"
-[columns]
-time = { column = "t", unit = "ms" }
-position = { column = "x", unit = "mm" }
-force = { column = "volt", unit = "V", factor = 4.0 }
-[measurement]
-motion_low_pass = 20.0
-compare_low_pass = 10.0
-compare_rate = 40.0
-edge = 0.2
-[drive]
-inertia = { value = 9.0, unit = "kg" }
-viscous = 25.0
-offset = 0.0
-"#;
-
-/// A drive's record: inertia 10 kg, viscous friction 20 N s/m, dry friction as given.
-fn drive(dry: f64, seed: u64) -> String {
-    let mut random = Random::new(seed);
-    let phase = TAU * random.uniform();
-    let mut text = String::from("t,x,volt\n");
-    let parts = [(0.1, 0.31), (0.04, 0.83), (0.015, 1.7)];
-    for at in 0..6000 {
-        let time = f64::from(at) * 0.004;
-        let (mut x, mut v, mut a) = (0.0, 0.0, 0.0);
-        for (size, hertz) in parts {
-            let (rate, angle) = (TAU * hertz, TAU * hertz * time + phase * hertz);
-            x += size * angle.sin();
-            v += size * rate * angle.cos();
-            a -= size * rate * rate * angle.sin();
-        }
-        let force = 10.0 * a + 20.0 * v + dry * f64::signum(v) + 0.4 * random.normal();
-        let reading = x + 1e-6 * random.normal();
-        let _ = writeln!(
-            text,
-            "{:.1},{:.6},{:.6}",
-            1e3 * time,
-            1e3 * reading,
-            force / 4.0
-        );
-    }
-    text
-}
-
-const CONTACT: &str = r#"
-[plant]
-kind = "contact"
-path = "turn"
-[columns]
-time = { column = "t", unit = "s" }
-velocity = { column = "speed", unit = "rpm" }
-force = { column = "torque", unit = "N m" }
-[measurement]
-motion_low_pass = 10.0
-compare_rate = 100.0
-standstill_speed = 0.3
-[contact]
-sliding = 1.2
-breakaway = 2.2
-speed = 4.0
-"#;
-
-/// A contact's record: a law in the speed, or two Gaussians over the angle α about 8 rad/s and 60 rad/s².
-fn contact(hysteretic: bool, seed: u64) -> String {
-    let mut random = Random::new(seed);
-    let phase = TAU * random.uniform();
-    let mut text = String::from("t,speed,torque\n");
-    for at in 0..2400 {
-        let time = f64::from(at) * 0.01;
-        let rate = TAU * 1.1;
-        let size = 6.0 + 1.5 * (TAU * 0.13 * time + phase).sin();
-        let omega = 8.0 + size * (rate * time).sin();
-        let alpha = size * rate * (rate * time).cos();
-        let angle = f64::atan2(alpha / 60.0, (omega - 8.0) / 8.0);
-        let bell = |height: f64, place: f64, width: f64| {
-            height * (-((angle - place) / width).powi(2)).exp()
-        };
-        let torque = if hysteretic {
-            bell(2.0, -2.4, 1.6) + bell(2.2, 2.4, 2.0)
-        } else {
-            1.0 + 1.4 * (-omega / 5.0).exp()
-        };
-        let _ = writeln!(
-            text,
-            "{time:.3},{:.5},{:.6}",
-            60.0 / TAU * (omega + 0.01 * random.normal()),
-            torque + 0.05 * random.normal()
-        );
-    }
-    text
-}
-
-const PENDULUM: &str = r#"
-[plant]
-kind = "pendulum"
-path = "turn"
-[columns]
-time = { column = "t", unit = "s" }
-position = { column = "angle", unit = "deg" }
-[measurement]
-motion_low_pass = 20.0
-compare_low_pass = 10.0
-compare_rate = 100.0
-edge = 0.2
-[pendulum]
-stiffness = 40.5
-rest = 0.01
-viscous = 0.05
-"#;
-
-/// A pendulum's swing from 1.4 rad: stiffness 40 1/s², viscous drag as given, dry friction and drag with the square of speed.
-fn pendulum(viscous: f64, dry: f64, square: f64, seed: u64) -> String {
-    let mut random = Random::new(seed);
-    let mut text = String::from("t,angle\n");
-    let (mut x, mut v): (f64, f64) = (1.4, 0.0);
-    let step = 1e-5;
-    for at in 0..2_000_000 {
-        if at % 1000 == 0 {
-            let reading = x + 2e-4 * random.normal();
-            let _ = writeln!(
-                text,
-                "{:.2},{:.6}",
-                f64::from(at) * step,
-                reading * 360.0 / TAU
-            );
-        }
-        v -= step * (40.0 * x.sin() + viscous * v + dry * v.signum() + square * v * v.abs());
-        x += step * v;
-    }
-    text
-}
+use crate::records::{CONTACT, DRIVE, PENDULUM, contact, drive, pendulum};
 
 struct Place {
     directory: tempfile::TempDir,
