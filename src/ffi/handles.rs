@@ -3,13 +3,13 @@
 //! What an importer holds is a number that names a slot and a generation, never an address: a handle
 //! that was freed, forged or is in use by another thread is recognised without touching memory that
 //! it might point to. Taking a slot is one compare-and-swap on the slot itself; the lock on the list
-//! of free slots is for creating and freeing only.
+//! of free slots is for creating and freeing only. The first slots lie in the library itself, so that
+//! importers who unload it leave nothing behind unless they had more than 256 instances at a time.
 
 use std::cell::UnsafeCell;
-use std::collections::VecDeque;
 use std::ffi::c_void;
 use std::ptr;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 #[cfg(not(target_pointer_width = "64"))]
@@ -20,7 +20,9 @@ const KIND_BITS: u32 = 4;
 const INDEX_BITS: u32 = 20;
 const GENERATION_BITS: u32 = 23;
 const CHUNK: usize = 256;
-const CHUNKS: usize = (1 << INDEX_BITS) / CHUNK;
+const LATER_CHUNKS: usize = (1 << INDEX_BITS) / CHUNK - 1;
+/// The number of no slot, at the ends of the list of free ones.
+const NONE: u32 = u32::MAX;
 
 const EMPTY: u64 = 0;
 const IDLE: u64 = 1;
@@ -39,21 +41,35 @@ pub(super) enum HandleError {
 struct Slot<T> {
     /// Generation and status.
     tag: AtomicU64,
+    /// The next in the list of free slots; read and written only with that list locked.
+    next: AtomicU32,
     content: UnsafeCell<Option<Box<T>>>,
 }
 
-#[derive(Default)]
+impl<T> Slot<T> {
+    const fn new() -> Self {
+        Self {
+            tag: AtomicU64::new(EMPTY),
+            next: AtomicU32::new(NONE),
+            content: UnsafeCell::new(None),
+        }
+    }
+}
+
 struct FreeSlots {
-    /// Slots that were used before, the longest unused first.
-    used: VecDeque<usize>,
+    /// The slot that has been unused for longest of those that were used before.
+    first: u32,
+    /// The slot that was freed last.
+    last: u32,
     /// Number of slots that were ever used.
-    fresh: usize,
+    fresh: u32,
 }
 
 /// Owner of all values of one kind that importers hold handles of.
 pub(super) struct Registry<T> {
     kind: u64,
-    chunks: [OnceLock<Box<[Slot<T>]>>; CHUNKS],
+    first_slots: [Slot<T>; CHUNK],
+    later_chunks: [OnceLock<Box<[Slot<T>]>>; LATER_CHUNKS],
     free: Mutex<FreeSlots>,
 }
 
@@ -66,54 +82,80 @@ impl<T> Registry<T> {
     pub(super) const fn new(kind: u64) -> Self {
         Self {
             kind,
-            chunks: [const { OnceLock::new() }; CHUNKS],
+            first_slots: [const { Slot::new() }; CHUNK],
+            later_chunks: [const { OnceLock::new() }; LATER_CHUNKS],
             free: Mutex::new(FreeSlots {
-                used: VecDeque::new(),
+                first: NONE,
+                last: NONE,
                 fresh: 0,
             }),
         }
     }
 
+    /// The slot of this number; `None` where no slot of its chunk was ever used.
+    fn slot_at(&self, index: u32) -> Option<&Slot<T>> {
+        let (chunk, place) = (index as usize / CHUNK, index as usize % CHUNK);
+        match chunk.checked_sub(1) {
+            None => Some(&self.first_slots[place]),
+            Some(later) => Some(&self.later_chunks.get(later)?.get()?[place]),
+        }
+    }
+
+    /// Takes a slot off the free ones; `None` when every slot is taken.
+    fn free_slot(&self) -> Option<(u32, &Slot<T>)> {
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(slot) = self.slot_at(free.first) {
+            let index = free.first;
+            free.first = slot.next.swap(NONE, Ordering::Relaxed);
+            if free.first == NONE {
+                free.last = NONE;
+            }
+            return Some((index, slot));
+        }
+        let index = free.fresh;
+        if index == 1 << INDEX_BITS {
+            return None;
+        }
+        free.fresh += 1;
+        if let Some(later) = (index as usize / CHUNK).checked_sub(1) {
+            self.later_chunks[later].get_or_init(|| (0..CHUNK).map(|_| Slot::new()).collect());
+        }
+        Some((index, self.slot_at(index)?))
+    }
+
+    /// Adds a slot to the free ones, behind all others.
+    fn give_back(&self, index: u32, slot: &Slot<T>) {
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        slot.next.store(NONE, Ordering::Relaxed);
+        match self.slot_at(free.last) {
+            Some(last) => last.next.store(index, Ordering::Relaxed),
+            None => free.first = index,
+        }
+        free.last = index;
+    }
+
     /// Keeps `value`; `None` when every slot is taken.
     pub(super) fn insert(&self, value: T) -> Option<*mut c_void> {
-        let index = {
-            let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
-            match free.used.pop_front() {
-                Some(index) => index,
-                None if free.fresh < CHUNKS * CHUNK => {
-                    free.fresh += 1;
-                    free.fresh - 1
-                }
-                None => return None,
-            }
-        };
-        let chunk = self.chunks[index / CHUNK].get_or_init(|| {
-            (0..CHUNK)
-                .map(|_| Slot {
-                    tag: AtomicU64::new(EMPTY),
-                    content: UnsafeCell::new(None),
-                })
-                .collect()
-        });
-        let slot = &chunk[index % CHUNK];
+        let (index, slot) = self.free_slot()?;
         let generation = (slot.tag.load(Ordering::Acquire) >> STATUS_BITS) + 1;
         // SAFETY: the slot is empty and was taken off the free list, so nobody else touches it.
         unsafe { *slot.content.get() = Some(Box::new(value)) };
         slot.tag
             .store(generation << STATUS_BITS | IDLE, Ordering::Release);
-        let bits = generation << (INDEX_BITS + KIND_BITS) | (index as u64) << KIND_BITS | self.kind;
+        let bits =
+            generation << (INDEX_BITS + KIND_BITS) | u64::from(index) << KIND_BITS | self.kind;
         Some(ptr::without_provenance_mut(bits as usize))
     }
 
-    fn slot(&self, handle: *mut c_void) -> Result<(usize, u64, &Slot<T>), HandleError> {
+    fn slot(&self, handle: *mut c_void) -> Result<(u32, u64, &Slot<T>), HandleError> {
         let bits = handle.addr() as u64;
-        let index = (bits >> KIND_BITS) as usize & ((1 << INDEX_BITS) - 1);
+        let index = (bits >> KIND_BITS) as u32 & ((1 << INDEX_BITS) - 1);
         let generation = bits >> (INDEX_BITS + KIND_BITS);
         if bits & ((1 << KIND_BITS) - 1) != self.kind || generation == 0 {
             return Err(HandleError::Dead);
         }
-        let chunk = self.chunks[index / CHUNK].get().ok_or(HandleError::Dead)?;
-        Ok((index, generation, &chunk[index % CHUNK]))
+        let slot = self.slot_at(index).ok_or(HandleError::Dead)?;
+        Ok((index, generation, slot))
     }
 
     /// Takes the slot for this thread alone.
@@ -164,11 +206,7 @@ impl<T> Registry<T> {
         drop(guard);
         // A slot whose generations are used up is retired, so that no handle ever comes back to life.
         if generation + 1 < 1 << GENERATION_BITS {
-            self.free
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .used
-                .push_back(index);
+            self.give_back(index, slot);
         }
         value.ok_or(HandleError::Dead)
     }
@@ -229,6 +267,22 @@ mod tests {
         }));
         assert!(panicked.is_err());
         assert_eq!(registry.with(handle, |value| *value), Ok(0));
+    }
+
+    #[test]
+    fn the_slot_that_was_unused_for_longest_is_taken_first() {
+        let registry = Registry::new(1);
+        let handles: Vec<_> = (0..2 * CHUNK)
+            .map(|value| registry.insert(value).unwrap())
+            .collect();
+        let order = [300, 2, 256, 255];
+        for index in order {
+            assert_eq!(registry.remove(handles[index]).as_deref(), Ok(&index));
+        }
+        for index in order {
+            let again = registry.insert(0).unwrap();
+            assert_eq!(registry.slot(again).map(|found| found.0), Ok(index as u32));
+        }
     }
 
     #[test]

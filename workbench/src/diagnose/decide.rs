@@ -13,8 +13,10 @@ use super::structure::{Structure, structures};
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all
 /// candidates stays below it.
 const LEAST_GAIN: f64 = 10.0;
-/// The same for an effect on top of others, or of friction that fluctuates.
+/// The same for an effect on top of others.
 const LEAST_FURTHER_GAIN: f64 = 20.0;
+/// The same where friction fluctuates: a few windows in which it happens to be high or low gain half as much.
+const LEAST_ROUGH_GAIN: f64 = 40.0;
 /// Share of a rival's shortfall that must be certain before the best is called better.
 const RIVAL_MARGIN: f64 = 4.0;
 /// Gain of a residual torque over one coordinate from which on structure is left.
@@ -179,7 +181,9 @@ pub fn diagnose(
             continue;
         }
         let is_rough = current.disturbance.relative > LITTLE_ROUGHNESS;
-        let least_gain = if names.is_empty() && !is_rough {
+        let least_gain = if is_rough {
+            LEAST_ROUGH_GAIN
+        } else if names.is_empty() {
             LEAST_GAIN
         } else {
             LEAST_FURTHER_GAIN
