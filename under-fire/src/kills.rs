@@ -211,8 +211,10 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
         quiet(command(&part)?).status()?;
         between = files(&part)?;
     }
+    // The document of experiments is no result: rows are put into the one that is there.
     let old: Files = new
         .keys()
+        .filter(|name| !is_document(name))
         .map(|name| (name.clone(), b"an older result".to_vec()))
         .collect();
     let out = place.join(format!("{}-killed", job.name));
@@ -239,8 +241,7 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
             let journal = name
                 .extension()
                 .is_some_and(|extension| extension == "journal");
-            let begun = name.ends_with("reproduction.md");
-            if journal || begun {
+            if journal || is_document(&name) {
                 complete &= !journal;
                 continue;
             }
@@ -279,6 +280,10 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
         job.name,
         duration.as_secs_f64()
     ))
+}
+
+fn is_document(name: &Path) -> bool {
+    name.ends_with("reproduction.md")
 }
 
 fn quiet(mut command: Command) -> Command {
