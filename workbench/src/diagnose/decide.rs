@@ -7,7 +7,7 @@ use super::gain::{folds, gain};
 use super::hypothesis::{Estimate, Hypothesis};
 use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
-use super::search::{Tried, WRONG, close_up, fit_entry, try_all};
+use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, fit_entry, try_all};
 use super::structure::{Structure, structures};
 
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all
@@ -21,12 +21,17 @@ const LEAST_ROUGH_GAIN: f64 = 40.0;
 const RIVAL_MARGIN: f64 = 4.0;
 /// Gain of a residual torque over one coordinate from which on structure is left.
 pub const STRUCTURE_GAIN: f64 = 30.0;
+/// Share of what the effects explain below which structure does not count: so exactly nothing is modelled or measured.
+/// Effects that stand in for the right one leave four times as much or more.
+const STRUCTURE_SHARE: f64 = 2e-4;
 /// Misfit per residual above which something is left whatever its structure.
 const MISFIT: f64 = 1.25;
 /// Relative friction disturbance above which it no longer passes for roughness.
 const ROUGHNESS: f64 = 0.06;
-/// Relative friction disturbance above which friction counts as fluctuating.
-const LITTLE_ROUGHNESS: f64 = 0.02;
+/// The same, and the gain of structure, under a law with branches: friction that fluctuates throws windows from one branch
+/// to the other, which looks like more fluctuation and leaves structure over α.
+const ROUGHNESS_WITH_BRANCHES: f64 = 0.08;
+const ROUGH_STRUCTURE_GAIN: f64 = 150.0;
 /// Most effects that are added one after the other.
 const MOST_EFFECTS: usize = 3;
 
@@ -219,13 +224,15 @@ pub fn diagnose(
     } else {
         structures(data, &current)
     };
-    let mut left = has_structure(data, &current, &structure_left);
+    let explained: f64 = gains.iter().sum();
+    let mut left = has_structure(data, &current, &structure_left, explained);
     // Of effects that the gains cannot tell apart, one that leaves nothing is better than one that leaves structure.
     if left && names.len() == 1 {
         let stand_in = rivals[0].iter().find_map(|&name| {
             let fitted = &ranking.as_ref()?.iter().find(|t| t.name == name)?.fit;
             let structure = structures(data, fitted);
-            (!has_structure(data, fitted, &structure)).then(|| (name, fitted.clone(), structure))
+            (!has_structure(data, fitted, &structure, explained))
+                .then(|| (name, fitted.clone(), structure))
         });
         if let Some((name, fitted, structure)) = stand_in {
             rivals[0].retain(|rival| *rival != name);
@@ -376,11 +383,20 @@ pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
     fit_entry(data, base, entry(name)?)
 }
 
-fn has_structure(data: &Data, fit: &Fit, structures: &[Structure]) -> bool {
+/// Whether something is left of the records after effects that gained `explained`.
+fn has_structure(data: &Data, fit: &Fit, structures: &[Structure], explained: f64) -> bool {
+    let relative = fit.disturbance.relative;
+    let jumps = fit.hypothesis.rig.law.has_branches() && relative > LITTLE_ROUGHNESS;
+    let (least, roughness) = if jumps {
+        (ROUGH_STRUCTURE_GAIN, ROUGHNESS_WITH_BRANCHES)
+    } else {
+        (STRUCTURE_GAIN, ROUGHNESS)
+    };
+    let least = least.max(STRUCTURE_SHARE * explained);
     let structured = structures
         .first()
-        .is_some_and(|s| s.gain > STRUCTURE_GAIN && s.interval95[0] > 0.0);
-    structured || fit.typical_misfit(data) > MISFIT || fit.disturbance.relative > ROUGHNESS
+        .is_some_and(|s| s.gain > least && s.interval95[0] > 0.0);
+    structured || fit.typical_misfit(data) > MISFIT || relative > roughness
 }
 
 /// Whether any nominal parameter moved by more than its stated uncertainty allows to overlook.

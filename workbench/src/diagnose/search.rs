@@ -69,6 +69,8 @@ pub const WRONG: f64 = 1.1;
 const THINNING: usize = 3;
 /// Windows below which none are left out.
 const ENOUGH_WINDOWS: usize = 60;
+/// Relative friction disturbance above which friction counts as fluctuating.
+pub const LITTLE_ROUGHNESS: f64 = 0.02;
 /// Loss above the best, on the thinned windows, by which a fit in progress is given up.
 const HOPELESS: f64 = 130.0;
 /// Loss above the best, on the thinned windows, up to which small effects are fitted to all windows.
@@ -135,10 +137,8 @@ pub fn try_all(
         if gains && (rivals || !explained && rank < FINALISTS) {
             progress(entry.name);
             let look = first_look(data, found.hypothesis, base, wrong);
-            whole.push((
-                entry,
-                fit(data, look.hypothesis, look.starts, 25, base.judging),
-            ));
+            let fitted = fit(data, look.hypothesis, look.starts, 25, base.judging);
+            whole.push((entry, better_from_short_windows(data, base, entry, fitted)));
         } else {
             on_part.push((entry, found));
         }
@@ -162,7 +162,11 @@ pub fn try_all(
             left.push(hopeful);
         }
     }
+    if !wrong && base.disturbance.relative > LITTLE_ROUGHNESS {
+        fit_laws_from_far(data, base, without, &mut whole, progress);
+    }
     let mut tried = compared(data, base.clone(), whole, 1.0);
+    left.retain(|on_part| tried.iter().all(|fitted| fitted.name != on_part.name));
     tried.extend(left);
     tried.sort_by(|a, b| {
         (b.is_finalist, b.gain)
@@ -170,6 +174,44 @@ pub fn try_all(
             .unwrap_or(Ordering::Equal)
     });
     tried
+}
+
+/// A law with many free numbers whose fit has got stuck is fitted once more, over short windows to the end: friction that
+/// fluctuates throws windows of the usual length from branch to branch until its numbers are nearly right.
+fn better_from_short_windows(data: &Data, base: &Fit, entry: &Entry, fitted: Fit) -> Fit {
+    if !entry.is_costly() || fitted.typical_misfit(data) < WRONG {
+        return fitted;
+    }
+    match fit_entry(data, base, entry) {
+        Some(anew) if anew.loss < fitted.loss => anew,
+        _ => fitted,
+    }
+}
+
+/// Adds fits of the laws of few numbers that do not go out from `base`. Where its friction fluctuates, the fluctuation may
+/// stand for the peaks of a law that it lacks, and small steps do not lead from one to the other.
+fn fit_laws_from_far(
+    data: &Data,
+    base: &Fit,
+    without: &[String],
+    whole: &mut Vec<(&'static Entry, Fit)>,
+    progress: &mut dyn FnMut(&str),
+) {
+    let laws = CATALOGUE
+        .iter()
+        .filter(|entry| entry.is_law() && !entry.is_costly())
+        .filter(|entry| !without.iter().any(|name| name == entry.name));
+    for law in laws {
+        progress(law.name);
+        let Some(fitted) = fit_entry(data, base, law) else {
+            continue;
+        };
+        match whole.iter_mut().find(|(entry, _)| entry.name == law.name) {
+            Some((_, earlier)) if earlier.loss <= fitted.loss => {}
+            Some((_, earlier)) => *earlier = fitted,
+            None => whole.push((law, fitted)),
+        }
+    }
 }
 
 /// The gain of each fit over `base` on the windows of `data`, times `scale`; every window starts for each of them where
