@@ -170,7 +170,7 @@ def test_an_importer_meets_the_cross_check_s_reference(tmp_path, version, folder
 
 def study(folder, fmu, *more):
     # Runs long enough for a study to be disturbed while there is work.
-    command = [sys.executable, EXAMPLES / "study.py", fmu, *GRID, "--stop", "300", "--out", folder, *more]
+    command = [sys.executable, EXAMPLES / "study.py", fmu, *GRID, "--stop", "600", "--out", folder, *more]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
@@ -185,10 +185,10 @@ def rows(folder):
 
 
 def wait_for_rows(folder, count):
-    for _ in range(600):
+    for _ in range(6000):
         if (folder / "study.csv").exists() and len((folder / "study.csv").read_text().splitlines()) > count:
             return
-        time.sleep(0.1)
+        time.sleep(0.02)
     raise AssertionError("the study has not begun")
 
 
@@ -233,7 +233,7 @@ def test_a_study_that_was_ended_goes_on_where_it_was(undisturbed, tmp_path):
     finished(study(tmp_path, fmu))
     pandas.testing.assert_frame_equal(rows(tmp_path), expected)
     # Rows of other runs would be kept as if they were of these.
-    other = study(tmp_path, fmu, "--stop", "299")
+    other = study(tmp_path, fmu, "--stop", "599")
     assert "has the study of another FMU or another --stop" in other.communicate(timeout=60)[1]
     assert other.returncode == 2
 

@@ -32,6 +32,8 @@ const ROUGHNESS: f64 = 0.06;
 /// to the other, which looks like more fluctuation and leaves structure over α.
 const ROUGHNESS_WITH_BRANCHES: f64 = 0.08;
 const ROUGH_STRUCTURE_GAIN: f64 = 150.0;
+/// Standard deviations by which the size of an effect must differ from none.
+const CERTAIN: f64 = 2.0;
 /// Most effects that are added one after the other.
 const MOST_EFFECTS: usize = 3;
 
@@ -173,7 +175,7 @@ pub fn diagnose(
         let immaterial = tried
             .iter()
             .take_while(|t| t.is_finalist)
-            .find(|t| t.gain > LEAST_GAIN && !t.is_material());
+            .find(|t| t.gain > LEAST_GAIN && !counts(data, t));
         if let Some(guide) = immaterial
             && guided < names.len() + 1
             && let Some(better) = guide.fit.without_last_effect(data, &current)
@@ -195,7 +197,7 @@ pub fn diagnose(
         };
         let accepted = tried
             .iter()
-            .find(|t| t.is_material())
+            .find(|t| counts(data, t))
             .filter(|best| best.is_finalist && best.gain > least_gain && best.interval95[0] > 0.0)
             .cloned();
         if let Some(best) = &accepted {
@@ -257,11 +259,9 @@ pub fn diagnose(
     } else {
         Verdict::Named
     };
-    let covariance = current.covariance(data);
-    let variance = |i: usize, j: usize| covariance.as_ref().map_or(f64::INFINITY, |c| c[(i, j)]);
-    let estimates = current.hypothesis.estimates(variance);
-    let (nominal, added): (Vec<Estimate>, Vec<Estimate>) =
-        estimates.into_iter().partition(|e| e.is_nominal);
+    let (nominal, added): (Vec<Estimate>, Vec<Estimate>) = estimates(&current, data)
+        .into_iter()
+        .partition(|e| e.is_nominal);
     let effects = names
         .iter()
         .zip(&rivals)
@@ -295,6 +295,25 @@ pub fn diagnose(
         base,
         amended: current,
     }
+}
+
+/// The values of a fit's free numbers.
+fn estimates(fit: &Fit, data: &Data) -> Vec<Estimate> {
+    let covariance = fit.covariance(data);
+    fit.hypothesis
+        .estimates(|i, j| covariance.as_ref().map_or(f64::INFINITY, |c| c[(i, j)]))
+}
+
+/// Whether an effect is of a size worth naming, and this size is certain enough to tell it from none.
+fn counts(data: &Data, tried: &Tried) -> bool {
+    let number = entry(tried.name).and_then(super::catalogue::Entry::none_at);
+    tried.is_material()
+        && number.is_none_or(|(name, none)| {
+            estimates(&tried.fit, data)
+                .iter()
+                .find(|estimate| estimate.name == name)
+                .is_none_or(|found| (found.value - none).abs() > CERTAIN * found.deviation)
+        })
 }
 
 /// The estimates that belong to an effect: those of its own section, or the law's.

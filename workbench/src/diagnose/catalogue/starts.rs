@@ -67,6 +67,24 @@ impl Entry {
         }
     }
 
+    /// Name of the number of an effect that has one, and its value where the effect is none.
+    pub fn none_at(&self) -> Option<(String, f64)> {
+        match self.form {
+            Form::One {
+                section,
+                key,
+                scale,
+                near,
+                ..
+            } => Some((
+                format!("{section}.{key}"),
+                // What starts near one is a factor or an exponent, and off there.
+                if near > 0.5 { scale } else { 0.0 },
+            )),
+            _ => None,
+        }
+    }
+
     /// Whether the effect cannot grow from nothing in small steps, so that a poor start says little.
     pub fn is_nonlinear(&self) -> bool {
         match self.form {
