@@ -168,10 +168,15 @@ def test_an_importer_meets_the_cross_check_s_reference(tmp_path, version, folder
     assert numpy.abs(run.to_numpy() - reference.to_numpy()).max() < 1e-9
 
 
+def heed_interrupts():
+    """Tests that run in a shell's background ignore interrupts, and so would what they start."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def study(folder, fmu, *more):
     # Runs long enough for a study to be disturbed while there is work.
-    command = [sys.executable, EXAMPLES / "study.py", fmu, *GRID, "--stop", "600", "--out", folder, *more]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    command = [sys.executable, EXAMPLES / "study.py", fmu, *GRID, "--stop", "300", "--out", folder, *more]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heed_interrupts)
 
 
 def finished(process):
@@ -233,7 +238,7 @@ def test_a_study_that_was_ended_goes_on_where_it_was(undisturbed, tmp_path):
     finished(study(tmp_path, fmu))
     pandas.testing.assert_frame_equal(rows(tmp_path), expected)
     # Rows of other runs would be kept as if they were of these.
-    other = study(tmp_path, fmu, "--stop", "599")
+    other = study(tmp_path, fmu, "--stop", "299")
     assert "has the study of another FMU or another --stop" in other.communicate(timeout=60)[1]
     assert other.returncode == 2
 
