@@ -197,8 +197,9 @@ pub fn diagnose(
         };
         let accepted = tried
             .iter()
+            .filter(|t| t.is_finalist)
             .find(|t| counts(data, t))
-            .filter(|best| best.is_finalist && best.gain > least_gain && best.interval95[0] > 0.0)
+            .filter(|best| best.gain > least_gain && best.interval95[0] > 0.0)
             .cloned();
         if let Some(best) = &accepted {
             rivals.push(indistinguishable(data, best, &tried));
@@ -259,7 +260,8 @@ pub fn diagnose(
     } else {
         Verdict::Named
     };
-    let (nominal, added): (Vec<Estimate>, Vec<Estimate>) = estimates(&current, data)
+    let (nominal, added): (Vec<Estimate>, Vec<Estimate>) = current
+        .estimates(data)
         .into_iter()
         .partition(|e| e.is_nominal);
     let effects = names
@@ -297,19 +299,15 @@ pub fn diagnose(
     }
 }
 
-/// The values of a fit's free numbers.
-fn estimates(fit: &Fit, data: &Data) -> Vec<Estimate> {
-    let covariance = fit.covariance(data);
-    fit.hypothesis
-        .estimates(|i, j| covariance.as_ref().map_or(f64::INFINITY, |c| c[(i, j)]))
-}
-
-/// Whether an effect is of a size worth naming, and this size is certain enough to tell it from none.
+/// Whether an effect that was fitted to all windows is of a size worth naming, and this size is certain enough to tell it
+/// from none.
 fn counts(data: &Data, tried: &Tried) -> bool {
     let number = entry(tried.name).and_then(super::catalogue::Entry::none_at);
     tried.is_material()
         && number.is_none_or(|(name, none)| {
-            estimates(&tried.fit, data)
+            tried
+                .fit
+                .estimates(data)
                 .iter()
                 .find(|estimate| estimate.name == name)
                 .is_none_or(|found| (found.value - none).abs() > CERTAIN * found.deviation)

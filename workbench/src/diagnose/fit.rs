@@ -2,7 +2,7 @@
 
 use super::data::{Data, grams, reduced};
 use super::gram::Gram;
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Estimate, Hypothesis};
 use super::losses::{held_out_losses, normal_equations, total_loss, window_loss};
 use super::marginal::{Disturbance, Reduced};
 use super::robust::Robust;
@@ -402,6 +402,13 @@ impl Fit {
             self.judging,
         );
         Cholesky::new(curvature).map(|c| c.inverse())
+    }
+
+    /// The values of all free numbers; their deviations are NaN where the windows say nothing of them.
+    pub fn estimates(&self, data: &Data) -> Vec<Estimate> {
+        let covariance = self.covariance(data);
+        self.hypothesis
+            .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]))
     }
 
     /// Loss of each window, judged by what the windows of the other folds teach about the free

@@ -9,7 +9,7 @@ use super::decide::{Diagnosis, Progress, Verdict, diagnose, fit_base, refit_with
 use super::experiment::propose;
 use super::finding::{Experiment, Finding, Ranked, VerdictName};
 use super::fit::Fit;
-use super::hypothesis::{Estimate, Hypothesis};
+use super::hypothesis::Hypothesis;
 use super::located::located;
 use super::structure::structures;
 use crate::files::record::Record;
@@ -166,7 +166,7 @@ fn from_fit(
     data: &Data,
 ) -> anyhow::Result<Finding> {
     let rig: Rig<f64> = fit.hypothesis.rig_at()?;
-    let estimates = estimates(fit, data);
+    let estimates = fit.estimates(data);
     Ok(Finding {
         verdict,
         effects: found_effects(&rig, effects, &estimates),
@@ -182,10 +182,4 @@ fn from_fit(
         notes: case.notes.clone(),
         seconds: 0.0,
     })
-}
-
-fn estimates(fit: &Fit, data: &Data) -> Vec<Estimate> {
-    let covariance = fit.covariance(data);
-    fit.hypothesis
-        .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]))
 }

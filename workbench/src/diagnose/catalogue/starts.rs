@@ -19,6 +19,11 @@ const BRISTLE_STARTS: [(f64, f64); 4] = [(1000.0, 2.5), (300.0, 1.4), (100.0, 0.
 /// Stiffness of a full internal friction of the shaft [N m/rad].
 const RELAXING_STIFFNESS: f64 = 0.05;
 
+/// Whether the number of an effect that starts here is a factor or an exponent, which is no effect at one.
+fn is_off_at_one(near: f64) -> bool {
+    near > 0.5
+}
+
 impl Entry {
     /// Whether the effect replaces the friction law.
     pub fn is_law(&self) -> bool {
@@ -46,8 +51,7 @@ impl Entry {
                 ..
             } => {
                 let size = value(&format!("{section}.{key}")) / scale;
-                // What starts near one is a factor or an exponent, and off there.
-                if near > 0.5 {
+                if is_off_at_one(near) {
                     (size - 1.0).abs() / LEAST_DEPARTURE
                 } else {
                     size.abs() / LEAST_SIZE
@@ -78,8 +82,7 @@ impl Entry {
                 ..
             } => Some((
                 format!("{section}.{key}"),
-                // What starts near one is a factor or an exponent, and off there.
-                if near > 0.5 { scale } else { 0.0 },
+                if is_off_at_one(near) { scale } else { 0.0 },
             )),
             _ => None,
         }
