@@ -7,6 +7,8 @@
     reason = "helpers of tests fail by panicking, like the tests"
 )]
 
+mod common;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -23,6 +25,8 @@ use workbench::diagnose::restart::course;
 use workbench::diagnose::restart::{best_starts, window_courses};
 use workbench::diagnose::show::{Comparison, Shown};
 use workbench::diagnose::window::Begin;
+
+use common::stickslip;
 
 fn case_directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/unbalance")
@@ -261,16 +265,6 @@ fn the_report_is_well_formed_and_refers_to_nothing_outside() {
     for scheme in ["prefers-color-scheme: dark", "@media print"] {
         assert!(page.contains(scheme), "{scheme}");
     }
-}
-
-fn stickslip(arguments: &[&str]) -> (i32, String) {
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip"))
-        .args(arguments)
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&output.stdout).into_owned()
-        + &String::from_utf8_lossy(&output.stderr);
-    (output.status.code().unwrap(), text)
 }
 
 #[test]

@@ -4,12 +4,13 @@
     reason = "helpers of tests fail by panicking, like the tests"
 )]
 
+mod common;
 mod simulated;
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
+use common::stickslip;
 use simulated::{model, record, sensed};
 use workbench::diagnose::catalogue::CATALOGUE;
 use workbench::diagnose::finding::{Finding, VerdictName};
@@ -18,16 +19,6 @@ use workbench::files::record::Record;
 
 /// What may be missing; the truth is the first.
 const RIVALS: [&str; 2] = ["viscous_drag", "bearing_friction"];
-
-fn stickslip(arguments: &[&str]) -> (i32, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_stickslip"))
-        .args(arguments)
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&output.stdout).into_owned()
-        + &String::from_utf8_lossy(&output.stderr);
-    (output.status.code().unwrap(), text)
-}
 
 /// `stickslip name` among the rivals alone.
 fn named(case: &Path, out: &Path) -> Finding {

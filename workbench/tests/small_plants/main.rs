@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+#[path = "../common/mod.rs"]
+mod common;
 mod records;
 
 use std::fs;
@@ -10,6 +12,7 @@ use std::path::{Path, PathBuf};
 use workbench::diagnose::finding::{Finding, VerdictName};
 use workbench::diagnose::small_plant::finding::SmallFinding;
 
+use crate::common::stickslip;
 use crate::records::{CONTACT, DRIVE, PENDULUM, contact, drive, pendulum};
 
 struct Place {
@@ -39,16 +42,6 @@ impl Place {
     fn finding(&self) -> SmallFinding {
         SmallFinding::read(&self.file("out")).unwrap()
     }
-}
-
-fn stickslip(arguments: &[&str]) -> (i32, String) {
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip"))
-        .args(arguments)
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&output.stdout).into_owned()
-        + &String::from_utf8_lossy(&output.stderr);
-    (output.status.code().unwrap(), text)
 }
 
 fn names(found: &SmallFinding) -> Vec<&str> {
