@@ -38,15 +38,19 @@ KINDS = {
 }
 
 
-@pytest.fixture(scope="session", params=KINDS)
-def discovery(request, tmp_path_factory):
-    """Each discovery in turn."""
-    kind, effect = KINDS[request.param]
-    folder = tmp_path_factory.mktemp(request.param)
+def diagnosed(folder, effect, kind, seed, *more):
+    """A case of this kind with what `stickslip diagnose` makes of it."""
     records, out = folder / "records", folder / "result"
-    make = [PROGRAMS / "hidden-records", "make", "--seed", str(SEED), "--cases", "1", "--kind", kind, "--out", records]
+    make = [PROGRAMS / "hidden-records", "make", "--seed", str(seed), "--cases", "1", "--kind", kind, "--out", records, *more]
     subprocess.run(make, check=True, capture_output=True, text=True)
     answers = json.loads((records / "ANSWERS.json").read_text())
     case = records / next(iter(answers))
     done = subprocess.run([PROGRAMS / "stickslip", "diagnose", case, "--out", out], capture_output=True, text=True)
     return Discovery(effect, case, out, answers[case.name], done.returncode, done.stdout + done.stderr)
+
+
+@pytest.fixture(scope="session", params=KINDS)
+def discovery(request, tmp_path_factory):
+    """Each discovery in turn."""
+    kind, effect = KINDS[request.param]
+    return diagnosed(tmp_path_factory.mktemp(request.param), effect, kind, SEED)

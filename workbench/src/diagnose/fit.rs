@@ -2,7 +2,7 @@
 
 use super::data::{Data, grams, reduced};
 use super::gram::Gram;
-use super::hypothesis::{Estimate, Hypothesis};
+use super::hypothesis::Hypothesis;
 use super::losses::{held_out_losses, normal_equations, total_loss, window_loss};
 use super::marginal::{Disturbance, Reduced};
 use super::robust::Robust;
@@ -389,26 +389,6 @@ impl Fit {
     /// Windows with the nuisances integrated out, at the best values.
     pub fn reduced(&self, data: &Data) -> Vec<Option<Reduced>> {
         reduced(data, &self.starts, &self.grams, &self.disturbance)
-    }
-
-    /// Covariance of the free numbers.
-    pub fn covariance(&self, data: &Data) -> Option<DMatrix<f64>> {
-        let h = &self.hypothesis;
-        let forms = self.reduced(data);
-        let (curvature, _) = normal_equations(
-            forms.iter().flatten(),
-            &h.prior_precisions(),
-            &h.x,
-            self.judging,
-        );
-        Cholesky::new(curvature).map(|c| c.inverse())
-    }
-
-    /// The values of all free numbers; their deviations are NaN where the windows say nothing of them.
-    pub fn estimates(&self, data: &Data) -> Vec<Estimate> {
-        let covariance = self.covariance(data);
-        self.hypothesis
-            .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]))
     }
 
     /// Loss of each window, judged by what the windows of the other folds teach about the free

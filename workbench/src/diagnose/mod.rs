@@ -8,6 +8,7 @@ pub mod amend;
 pub mod bristle_start;
 pub mod case;
 pub mod catalogue;
+mod certainty;
 pub mod command;
 pub mod console;
 pub mod data;

@@ -1,0 +1,25 @@
+"""Friction that fluctuates at random by 4 %, as real contacts do, does not hide what is missing nor stand for it."""
+
+from conftest import diagnosed
+
+
+def test_the_hysteresis_of_eq_6_2_is_named_under_it(tmp_path):
+    effect = "acceleration_hysteresis"
+    case = diagnosed(tmp_path, effect, effect, 47000, "--rough", "--size", "full")
+    finding = case.finding
+    assert [found["name"] for found in finding["effects"]] == [effect], case.screen
+    assert finding["verdict"] == "named" and finding["friction_fluctuation"] > 0.02
+    assert finding["gap"]["held_out"]["closed"] > 0.95
+
+
+def test_stiction_is_not_taken_for_it(tmp_path):
+    case = diagnosed(tmp_path, "stiction", "stiction", 50000)
+    finding = case.finding
+    assert [found["name"] for found in finding["effects"]] == ["stiction"], case.screen
+    assert finding["friction_fluctuation"] == 0.0
+    assert finding["gap"]["held_out"]["closed"] > 0.98
+
+
+def test_it_alone_is_nothing_missing(tmp_path):
+    case = diagnosed(tmp_path, "", "none", 50020, "--rough", "--clean")
+    assert case.finding["verdict"] in ("nothing_missing", "parameters"), case.screen
