@@ -262,19 +262,19 @@ impl Case {
     /// The records to learn from, cut into windows.
     #[must_use]
     pub fn training(&self) -> Data {
-        self.data(&self.runs, Begin::Clear)
+        self.data(&self.runs, Cut::to_learn(&self.model.rig))
     }
 
     /// The record to judge on, cut into windows that start as `begin` wants it.
     #[must_use]
     pub fn judging(&self, begin: Begin) -> Data {
-        self.data(&self.held_out, begin)
+        self.data(&self.held_out, Cut::of(&self.model.rig, begin))
     }
 
-    fn data(&self, runs: &[Run], begin: Begin) -> Data {
+    fn data(&self, runs: &[Run], cut: Cut) -> Data {
         Data::new(
             std::sync::Arc::new(runs.to_vec()),
-            Cut::of(&self.model.rig, begin),
+            cut,
             self.sensors.deviations(),
         )
     }

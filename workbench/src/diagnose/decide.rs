@@ -7,7 +7,9 @@ use super::gain::{folds, gain};
 use super::hypothesis::{Estimate, Hypothesis};
 use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
-use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, fit_entry, try_all};
+use super::search::{
+    LITTLE_ROUGHNESS, ROUGHNESS_WITH_BRANCHES, Tried, WRONG, close_up, fit_entry, try_all,
+};
 use super::structure::{Structure, structures};
 
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all
@@ -28,9 +30,8 @@ const STRUCTURE_SHARE: f64 = 2e-4;
 const MISFIT: f64 = 1.25;
 /// Relative friction disturbance above which it no longer passes for roughness.
 const ROUGHNESS: f64 = 0.06;
-/// The same, and the gain of structure, under a law with branches: friction that fluctuates throws windows from one branch
-/// to the other, which looks like more fluctuation and leaves structure over α.
-const ROUGHNESS_WITH_BRANCHES: f64 = 0.08;
+/// Gain of structure that counts where friction fluctuates under a law with branches: windows that are thrown from one to the
+/// other leave structure over α.
 const ROUGH_STRUCTURE_GAIN: f64 = 150.0;
 /// Standard deviations by which the size of an effect must differ from none.
 const CERTAIN: f64 = 2.0;
@@ -370,19 +371,24 @@ fn drop_superfluous(
             at += 1;
             continue;
         }
-        let mut rest: Option<Fit> = Some(base.clone());
-        for (j, name) in names.iter().enumerate() {
-            if j == at {
-                continue;
-            }
-            rest = rest.and_then(|fitted| refit_with(data, &fitted, name));
-        }
+        let mut others = names.clone();
+        others.remove(at);
         let folds = folds(data);
-        let superfluous = rest.filter(|fitted| {
-            let losses = fitted.held_out_losses(data, &folds);
-            let (loss, interval) = gain(data, &losses, &current.held_out_losses(data, &folds));
+        let present_losses = current.held_out_losses(data, &folds);
+        let does_as_well = |fitted: &Fit| {
+            let (loss, interval) =
+                gain(data, &fitted.held_out_losses(data, &folds), &present_losses);
             loss < LEAST_GAIN || interval[0] < 0.0 && loss < 3.0 * LEAST_GAIN
-        });
+        };
+        let superfluous = refit_from(data, base, current, &others)
+            .filter(does_as_well)
+            .or_else(|| {
+                let from_afar = |fitted: Fit, name: &&str| refit_with(data, &fitted, name);
+                others
+                    .iter()
+                    .try_fold(base.clone(), from_afar)
+                    .filter(does_as_well)
+            });
         match superfluous {
             Some(fitted) => {
                 *current = fitted;
@@ -393,6 +399,23 @@ fn drop_superfluous(
             None => at += 1,
         }
     }
+}
+
+/// The best fit of `effects` on top of `base`, from the numbers and starts of `fitted`, which has more.
+fn refit_from(data: &Data, base: &Fit, fitted: &Fit, effects: &[&str]) -> Option<Fit> {
+    let mut hypothesis = base.hypothesis.clone();
+    for name in effects {
+        let starts = entry(name)?.starts(&hypothesis, false);
+        hypothesis = starts.into_iter().next()?;
+    }
+    hypothesis.take_values(&fitted.hypothesis);
+    Some(fit(
+        data,
+        hypothesis,
+        fitted.starts.clone(),
+        MANY_STEPS,
+        base.judging,
+    ))
 }
 
 /// The best fit of one named effect on top of `base`.

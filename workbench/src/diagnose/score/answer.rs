@@ -50,6 +50,10 @@ pub enum Group {
 /// Two effects that are nearly the same thing as parameters, and as each other, without a current reading.
 pub const NEARLY_PARAMETERS: [&str; 2] = ["motor_viscous", "supply_sag"];
 
+/// Effects with another that does the same where they are taken out of the catalogue: Stribeck's law is stiction where its
+/// velocity vanishes.
+pub const EQUIVALENT: [(&str, &str); 1] = [("stiction", "stribeck")];
+
 impl Answer {
     /// Reads the answers of a directory of cases.
     ///

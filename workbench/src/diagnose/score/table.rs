@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::answer::{Group, NEARLY_PARAMETERS};
+use super::answer::{EQUIVALENT, Group, NEARLY_PARAMETERS};
 use super::judge::Judgement;
 use super::wilson::Share;
 
@@ -42,6 +42,7 @@ pub fn lines(judged: &[Judgement], without: &[Judgement]) -> Vec<Line> {
         without
             .iter()
             .filter(|j| !NEARLY_PARAMETERS.contains(&j.kind.as_str()))
+            .filter(|j| !EQUIVALENT.contains(&(j.kind.as_str(), j.said.as_str())))
     };
     let errors: Vec<f64> = group(Group::Full)
         .filter(|j| j.top_1)
