@@ -262,19 +262,19 @@ impl Case {
     /// The records to learn from, cut into windows.
     #[must_use]
     pub fn training(&self) -> Data {
-        self.data(&self.runs, Cut::to_learn(&self.model.rig))
+        self.data(&self.runs, Begin::Clear)
     }
 
     /// The record to judge on, cut into windows that start as `begin` wants it.
     #[must_use]
     pub fn judging(&self, begin: Begin) -> Data {
-        self.data(&self.held_out, Cut::of(&self.model.rig, begin))
+        self.data(&self.held_out, begin)
     }
 
-    fn data(&self, runs: &[Run], cut: Cut) -> Data {
+    fn data(&self, runs: &[Run], begin: Begin) -> Data {
         Data::new(
             std::sync::Arc::new(runs.to_vec()),
-            cut,
+            Cut::of(&self.model.rig, begin),
             self.sensors.deviations(),
         )
     }

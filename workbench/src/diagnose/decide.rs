@@ -7,9 +7,7 @@ use super::gain::{folds, gain};
 use super::hypothesis::{Estimate, Hypothesis};
 use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
-use super::search::{
-    LITTLE_ROUGHNESS, ROUGHNESS_WITH_BRANCHES, Tried, WRONG, close_up, fit_entry, try_all,
-};
+use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, fit_entry, try_all};
 use super::structure::{Structure, structures};
 
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all
@@ -30,8 +28,9 @@ const STRUCTURE_SHARE: f64 = 2e-4;
 const MISFIT: f64 = 1.25;
 /// Relative friction disturbance above which it no longer passes for roughness.
 const ROUGHNESS: f64 = 0.06;
-/// Gain of structure that counts where friction fluctuates under a law with branches: windows that are thrown from one to the
-/// other leave structure over α.
+/// The same, and the gain of structure, under a law with branches: friction that fluctuates throws windows from one branch
+/// to the other, which looks like more fluctuation and leaves structure over α.
+const ROUGHNESS_WITH_BRANCHES: f64 = 0.08;
 const ROUGH_STRUCTURE_GAIN: f64 = 150.0;
 /// Standard deviations by which the size of an effect must differ from none.
 const CERTAIN: f64 = 2.0;

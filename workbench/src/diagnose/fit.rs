@@ -6,7 +6,6 @@ use super::hypothesis::Hypothesis;
 use super::losses::{held_out_losses, normal_equations, total_loss, window_loss};
 use super::marginal::{Disturbance, Reduced};
 use super::robust::Robust;
-use super::search::{LITTLE_ROUGHNESS, ROUGHNESS_WITH_BRANCHES, WRONG};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use stickslip::plant::RigState;
 
@@ -347,16 +346,6 @@ impl Fit {
     /// Whether no more than the sensors' noise and friction that fluctuates as real contacts do is left.
     pub fn is_explained_but_rough(&self, data: &Data) -> bool {
         self.typical_misfit(data) < EXPLAINED && self.disturbance.relative < 0.05
-    }
-
-    /// Whether what is left after its effects may be no more than friction that fluctuates under a law with branches.
-    pub fn is_amended_but_thrown(&self, data: &Data) -> bool {
-        let relative = self.disturbance.relative;
-        !self.hypothesis.effects.is_empty()
-            && self.hypothesis.rig.law.has_branches()
-            && relative > LITTLE_ROUGHNESS
-            && relative < ROUGHNESS_WITH_BRANCHES
-            && self.typical_misfit(data) < WRONG
     }
 
     /// The loss that the quadratic forms promise after one more step.

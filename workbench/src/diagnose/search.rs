@@ -71,9 +71,6 @@ const THINNING: usize = 3;
 const ENOUGH_WINDOWS: usize = 60;
 /// Relative friction disturbance above which friction counts as fluctuating.
 pub const LITTLE_ROUGHNESS: f64 = 0.02;
-/// The same above which it no longer passes for roughness under a law with branches: friction that fluctuates throws windows
-/// from one branch to the other, which looks like more fluctuation.
-pub const ROUGHNESS_WITH_BRANCHES: f64 = 0.08;
 /// Loss above the best, on the thinned windows, by which a fit in progress is given up.
 const HOPELESS: f64 = 130.0;
 /// Loss above the best, on the thinned windows, up to which small effects are fitted to all windows.
@@ -109,9 +106,8 @@ pub fn try_all(
     progress: &mut dyn FnMut(&str),
 ) -> Vec<Tried> {
     // Under a law with branches even a small effect moves windows to another branch, which small steps do not undo.
-    let branches = base.hypothesis.rig.law.has_branches() && !base.is_explained_but_rough(data);
-    let off = base.typical_misfit(data) > WRONG || base.disturbance.relative > 0.05 || branches;
-    let wrong = off && !base.is_amended_but_thrown(data);
+    let branches = base.hypothesis.rig.law.has_branches() && !base.is_explained(data);
+    let wrong = base.typical_misfit(data) > WRONG || base.disturbance.relative > 0.05 || branches;
     let thinning = thinning(data);
     let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning).collect();
     let part = data.part(&kept);

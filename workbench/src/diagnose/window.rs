@@ -5,9 +5,6 @@ use stickslip::plant::{Rig, RigState, STATES, index};
 
 /// Length of a window [s].
 const LENGTH: f64 = 0.5;
-/// Length of a window to learn from under a law with branches [s]: the longer, the more often a small error throws the disc from one to
-/// the other.
-const LENGTH_WITH_BRANCHES: f64 = 0.25;
 /// Length of a window over which even a wrong model stays near the measured motion [s].
 pub const SHORT: f64 = 0.15;
 /// Length of the pieces over which a disturbance torque is held [s].
@@ -137,19 +134,6 @@ impl Cut {
             begin,
             back_emf: rig.gearbox.ratio * rig.motor.back_emf_constant,
             resistance: rig.motor.resistance,
-        }
-    }
-
-    /// Windows to fit models of this rig to.
-    pub fn to_learn(rig: &Rig<f64>) -> Self {
-        let usual = Self::of(rig, Begin::Clear);
-        if rig.law.has_branches() {
-            Self {
-                length: LENGTH_WITH_BRANCHES,
-                ..usual
-            }
-        } else {
-            usual
         }
     }
 
