@@ -370,24 +370,19 @@ fn drop_superfluous(
             at += 1;
             continue;
         }
-        let mut others = names.clone();
-        others.remove(at);
+        let mut rest: Option<Fit> = Some(base.clone());
+        for (j, name) in names.iter().enumerate() {
+            if j == at {
+                continue;
+            }
+            rest = rest.and_then(|fitted| refit_with(data, &fitted, name));
+        }
         let folds = folds(data);
-        let present_losses = current.held_out_losses(data, &folds);
-        let does_as_well = |fitted: &Fit| {
-            let (loss, interval) =
-                gain(data, &fitted.held_out_losses(data, &folds), &present_losses);
+        let superfluous = rest.filter(|fitted| {
+            let losses = fitted.held_out_losses(data, &folds);
+            let (loss, interval) = gain(data, &losses, &current.held_out_losses(data, &folds));
             loss < LEAST_GAIN || interval[0] < 0.0 && loss < 3.0 * LEAST_GAIN
-        };
-        let superfluous = refit_from(data, base, current, &others)
-            .filter(does_as_well)
-            .or_else(|| {
-                let from_afar = |fitted: Fit, name: &&str| refit_with(data, &fitted, name);
-                others
-                    .iter()
-                    .try_fold(base.clone(), from_afar)
-                    .filter(does_as_well)
-            });
+        });
         match superfluous {
             Some(fitted) => {
                 *current = fitted;
@@ -398,23 +393,6 @@ fn drop_superfluous(
             None => at += 1,
         }
     }
-}
-
-/// The best fit of `effects` on top of `base`, from the numbers and starts of `fitted`, which has more.
-fn refit_from(data: &Data, base: &Fit, fitted: &Fit, effects: &[&str]) -> Option<Fit> {
-    let mut hypothesis = base.hypothesis.clone();
-    for name in effects {
-        let starts = entry(name)?.starts(&hypothesis, false);
-        hypothesis = starts.into_iter().next()?;
-    }
-    hypothesis.take_values(&fitted.hypothesis);
-    Some(fit(
-        data,
-        hypothesis,
-        fitted.starts.clone(),
-        MANY_STEPS,
-        base.judging,
-    ))
 }
 
 /// The best fit of one named effect on top of `base`.

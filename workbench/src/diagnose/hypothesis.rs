@@ -159,22 +159,6 @@ impl Hypothesis {
         None
     }
 
-    /// Takes over the numbers of all that is free in `other` too.
-    pub fn take_values(&mut self, other: &Self) {
-        let mut at = 0;
-        for free in &self.free {
-            let mut from = 0;
-            for theirs in &other.free {
-                if theirs == free {
-                    self.x[at..at + free.width()]
-                        .copy_from_slice(&other.x[from..from + free.width()]);
-                }
-                from += theirs.width();
-            }
-            at += free.width();
-        }
-    }
-
     /// What one step of a fit may change of each free number: not more than is within its range, nor so much that windows
     /// stick that did not, of which no derivative tells.
     pub fn step_ranges(&self) -> Vec<(f64, f64)> {
