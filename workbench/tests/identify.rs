@@ -4,23 +4,20 @@
     reason = "helpers of tests fail by panicking, like the tests"
 )]
 
+mod common;
+
 use std::f64::consts::TAU;
 use std::fs;
-use std::process::Command;
+
+use common::stickslip;
 
 /// Runs `identify KIND FILE …` on a file with this text; exit code and all that was printed.
 fn identify(kind: &str, text: &str, options: &[&str]) -> (i32, String) {
     let place = tempfile::tempdir().unwrap();
     let file = place.path().join("test.csv");
     fs::write(&file, text).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_stickslip"))
-        .args(["identify", kind, file.to_str().unwrap()])
-        .args(options)
-        .output()
-        .unwrap();
-    let words = String::from_utf8_lossy(&output.stdout).into_owned()
-        + &String::from_utf8_lossy(&output.stderr);
-    (output.status.code().unwrap(), words)
+    let arguments = ["identify", kind, file.to_str().unwrap()];
+    stickslip(&[&arguments, options].concat())
 }
 
 /// The number behind `label`.
