@@ -1,5 +1,6 @@
 """Friction that fluctuates at random by 4 %, as real contacts do, does not hide what is missing nor stand for it."""
 
+import pytest
 from conftest import diagnosed
 
 
@@ -18,6 +19,21 @@ def test_stiction_is_not_taken_for_it(tmp_path):
     assert [found["name"] for found in finding["effects"]] == ["stiction"], case.screen
     assert finding["friction_fluctuation"] == 0.0
     assert finding["gap"]["held_out"]["closed"] > 0.98
+
+
+@pytest.mark.parametrize(
+    ("kind", "effect", "seed"),
+    [
+        ("stiction", "stiction", 51002),  # once not found, since the base is far off
+        ("normal_force_wobble_gauss", "normal_force_wobble", 51401),  # once flagged for what the right model leaves
+    ],
+)
+def test_what_else_is_named_under_it(tmp_path, kind, effect, seed):
+    case = diagnosed(tmp_path, effect, kind, seed, "--rough", "--size", "full")
+    finding = case.finding
+    assert [found["name"] for found in finding["effects"]] == [effect], case.screen
+    assert finding["verdict"] == "named" and finding["friction_fluctuation"] > 0.02
+    assert finding["gap"]["held_out"]["closed"] > 0.95
 
 
 def test_it_alone_is_nothing_missing(tmp_path):

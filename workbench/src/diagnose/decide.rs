@@ -5,6 +5,7 @@ use super::data::Data;
 use super::fit::{Fit, fit};
 use super::gain::{folds, gain};
 use super::hypothesis::{Estimate, Hypothesis};
+use super::left::{Left, jumps};
 use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
 use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, fit_entry, try_all};
@@ -19,19 +20,6 @@ const LEAST_FURTHER_GAIN: f64 = 20.0;
 const LEAST_ROUGH_GAIN: f64 = 40.0;
 /// Share of a rival's shortfall that must be certain before the best is called better.
 const RIVAL_MARGIN: f64 = 4.0;
-/// Gain of a residual torque over one coordinate from which on structure is left.
-pub const STRUCTURE_GAIN: f64 = 30.0;
-/// Share of what the effects explain below which structure does not count: so exactly nothing is modelled or measured.
-/// Effects that stand in for the right one leave four times as much or more.
-const STRUCTURE_SHARE: f64 = 2e-4;
-/// Misfit per residual above which something is left whatever its structure.
-const MISFIT: f64 = 1.25;
-/// Relative friction disturbance above which it no longer passes for roughness.
-const ROUGHNESS: f64 = 0.06;
-/// The same, and the gain of structure, under a law with branches: friction that fluctuates throws windows from one branch
-/// to the other, which looks like more fluctuation and leaves structure over α.
-const ROUGHNESS_WITH_BRANCHES: f64 = 0.08;
-const ROUGH_STRUCTURE_GAIN: f64 = 150.0;
 /// Standard deviations by which the size of an effect must differ from none.
 const CERTAIN: f64 = 2.0;
 /// Most effects that are added one after the other.
@@ -166,6 +154,7 @@ pub fn diagnose(
     let mut gains = Vec::new();
     let mut names: Vec<&'static str> = Vec::new();
     let mut guided = 0;
+    let mut settled = None;
     while names.len() < MOST_EFFECTS {
         let round = names.len();
         let tried = try_all(data, &current, without, &mut |name| {
@@ -202,16 +191,28 @@ pub fn diagnose(
             .filter(|best| best.gain > least_gain && best.interval95[0] > 0.0)
             .cloned();
         if let Some(best) = &accepted {
-            rivals.push(indistinguishable(data, best, &tried));
-            gains.push(best.gain);
-            names.push(best.name);
-            current = best.fit.clone();
+            let further = LEAST_FURTHER_GAIN.max(least_gain);
+            let simple = simplest(data, best, &tried, further);
+            let mut others = indistinguishable(data, simple, &tried);
+            others.retain(|name| *name != best.name);
+            rivals.push(others);
+            gains.push(simple.gain);
+            names.push(simple.name);
+            current = simple.fit.clone();
         }
         ranking.get_or_insert(tried);
         if accepted.is_none() || current.is_explained(data) && round > 0 {
             break;
         }
+        if jumps(&current) {
+            let left = Left::by(data, &current, gains.iter().sum());
+            if !left.counts {
+                settled = Some(left);
+                break;
+            }
+        }
     }
+    let added = names.len();
     drop_superfluous(
         data,
         &base,
@@ -222,32 +223,29 @@ pub fn diagnose(
         ranking.as_deref().unwrap_or_default(),
     );
     progress(Progress::Locating);
-    let mut structure_left = if names.is_empty() {
-        structure.clone()
-    } else {
-        structures(data, &current)
-    };
     let explained: f64 = gains.iter().sum();
-    let mut left = has_structure(data, &current, &structure_left, explained);
+    let mut left = match settled.filter(|_| names.len() == added) {
+        Some(left) => left,
+        None if names.is_empty() => Left::among(data, &current, structure.clone(), explained),
+        None => Left::by(data, &current, explained),
+    };
     // Of effects that the gains cannot tell apart, one that leaves nothing is better than one that leaves structure.
-    if left && names.len() == 1 {
+    if left.counts && names.len() == 1 {
         let stand_in = rivals[0].iter().find_map(|&name| {
             let fitted = &ranking.as_ref()?.iter().find(|t| t.name == name)?.fit;
-            let structure = structures(data, fitted);
-            (!has_structure(data, fitted, &structure, explained))
-                .then(|| (name, fitted.clone(), structure))
+            let left = Left::by(data, fitted, explained);
+            (!left.counts).then(|| (name, fitted.clone(), left))
         });
-        if let Some((name, fitted, structure)) = stand_in {
+        if let Some((name, fitted, nothing)) = stand_in {
             rivals[0].retain(|rival| *rival != name);
             rivals[0].push(names[0]);
             names[0] = name;
             current = fitted;
-            structure_left = structure;
-            left = false;
+            left = nothing;
         }
     }
     let alternatives = rivals.first().cloned().unwrap_or_default();
-    let verdict = if left {
+    let verdict = if left.counts {
         Verdict::NotInCatalogue
     } else if names.is_empty() {
         if parameters_moved(&base) || refitting_closes_a_gap(data, &base) {
@@ -292,7 +290,7 @@ pub fn diagnose(
         alternatives,
         ranking,
         structure,
-        structure_left,
+        structure_left: left.structures,
         nominal,
         base,
         amended: current,
@@ -339,6 +337,16 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
         })
         .map(|t| t.name)
         .collect()
+}
+
+/// Of a law and its limit, which has fewer numbers, the limit, unless the law's further number gains `least` on top of it.
+fn simplest<'a>(data: &Data, best: &'a Tried, tried: &'a [Tried], least: f64) -> &'a Tried {
+    entry(best.name)
+        .and_then(super::catalogue::Entry::limit)
+        .and_then(|limit| tried.iter().find(|t| t.name == limit))
+        .filter(|limit| limit.is_finalist && counts(data, limit))
+        .filter(|limit| limit.gain > best.gain - least)
+        .unwrap_or(best)
 }
 
 /// Whether the effects other than that at `at` may explain without it what all do together: where there is one other, as
@@ -398,22 +406,6 @@ fn drop_superfluous(
 /// The best fit of one named effect on top of `base`.
 pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
     fit_entry(data, base, entry(name)?)
-}
-
-/// Whether something is left of the records after effects that gained `explained`.
-fn has_structure(data: &Data, fit: &Fit, structures: &[Structure], explained: f64) -> bool {
-    let relative = fit.disturbance.relative;
-    let jumps = fit.hypothesis.rig.law.has_branches() && relative > LITTLE_ROUGHNESS;
-    let (least, roughness) = if jumps {
-        (ROUGH_STRUCTURE_GAIN, ROUGHNESS_WITH_BRANCHES)
-    } else {
-        (STRUCTURE_GAIN, ROUGHNESS)
-    };
-    let least = least.max(STRUCTURE_SHARE * explained);
-    let structured = structures
-        .first()
-        .is_some_and(|s| s.gain > least && s.interval95[0] > 0.0);
-    structured || fit.typical_misfit(data) > MISFIT || relative > roughness
 }
 
 /// Whether any nominal parameter moved by more than its stated uncertainty allows to overlook.

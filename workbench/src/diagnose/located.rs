@@ -1,7 +1,7 @@
 //! Where model and records disagree, in the terms of `finding.json`.
 
-use super::decide::STRUCTURE_GAIN;
 use super::finding::Located;
+use super::left::STRUCTURE_GAIN;
 use super::structure::{Coordinate, Structure};
 
 /// Standard deviations between the ends of a 95 % interval.

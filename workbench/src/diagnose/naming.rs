@@ -103,6 +103,14 @@ fn finding(case: &Case, data: &Data, found: &Diagnosis) -> anyhow::Result<Findin
         .collect();
     finding.structure = located(&found.structure);
     finding.structure_left = located(&found.structure_left);
+    if verdict != VerdictName::NotInCatalogue {
+        // Whatever is left, a right model leaves as much.
+        let left = &mut finding.structure_left;
+        left.iter_mut().for_each(|place| place.significant = false);
+        if effects.is_empty() {
+            finding.structure = finding.structure_left.clone();
+        }
+    }
     Ok(finding)
 }
 

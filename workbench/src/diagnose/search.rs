@@ -162,7 +162,8 @@ pub fn try_all(
             left.push(hopeful);
         }
     }
-    if !wrong && base.disturbance.relative > LITTLE_ROUGHNESS {
+    let explained = whole.iter().any(|(_, fitted)| fitted.is_explained(data));
+    if !explained && base.disturbance.relative > LITTLE_ROUGHNESS {
         fit_laws_from_far(data, base, without, &mut whole, progress);
     }
     let mut tried = compared(data, base.clone(), whole, 1.0);

@@ -38,6 +38,11 @@ impl Entry {
         matches!(self.form, Form::Hysteresis)
     }
 
+    /// Name of the law of fewer numbers that this one becomes at the end of its range.
+    pub fn limit(&self) -> Option<&'static str> {
+        matches!(self.form, Form::Stribeck).then_some("stiction")
+    }
+
     /// Size of the fitted effect relative to one that is just worth naming: less changes the motion by less than real
     /// friction scatters, and may stand for an imperfection of the method.
     pub fn relative_size(&self, fitted: &Hypothesis) -> f64 {

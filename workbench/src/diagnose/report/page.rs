@@ -158,7 +158,7 @@ fn disagreement(report: &Report<'_>) -> String {
     if !finding.structure_left.is_empty() {
         text.push_str(&places(
             &finding.structure_left,
-            "With the amended model no coordinate shows structure any more.",
+            "With the amended model no coordinate shows more structure than a right model leaves.",
             "With the amended model there is still structure:",
         ));
     }

@@ -1,0 +1,77 @@
+//! Whether a model leaves more of the records than it would if it were right.
+
+use super::data::Data;
+use super::fit::Fit;
+use super::rehearsal::rehearse;
+use super::search::LITTLE_ROUGHNESS;
+use super::structure::{Structure, structures};
+
+/// Gain of a residual torque over one coordinate from which on structure is left.
+pub const STRUCTURE_GAIN: f64 = 30.0;
+/// Share of what the effects explain below which structure does not count: so exactly nothing is modelled or measured.
+/// Effects that stand in for the right one leave four times as much or more.
+const STRUCTURE_SHARE: f64 = 2e-4;
+/// Misfit per residual above which something is left whatever its structure.
+const MISFIT: f64 = 1.25;
+/// Relative friction disturbance above which it no longer passes for roughness.
+const ROUGHNESS: f64 = 0.06;
+/// Multiple of the structure that the model itself leaves in a rehearsal beyond which structure counts.
+const CHANCE: f64 = 2.0;
+
+/// What a model leaves of the records.
+pub struct Left {
+    /// Structure, strongest first.
+    pub structures: Vec<Structure>,
+    /// Whether it is more than a right model leaves.
+    pub counts: bool,
+}
+
+impl Left {
+    /// What `fit` leaves after effects that gained `explained`.
+    pub fn by(data: &Data, fit: &Fit, explained: f64) -> Self {
+        Self::among(data, fit, structures(data, fit), explained)
+    }
+
+    /// The same where its structure is known.
+    pub fn among(data: &Data, fit: &Fit, structures: Vec<Structure>, explained: f64) -> Self {
+        let least = STRUCTURE_GAIN.max(STRUCTURE_SHARE * explained);
+        let strong: Vec<&Structure> = structures
+            .iter()
+            .filter(|s| s.gain > least && s.interval95[0] > 0.0)
+            .collect();
+        let misfit = fit.typical_misfit(data);
+        let counts = if jumps(fit) {
+            (!strong.is_empty() || misfit > MISFIT)
+                && beyond_chance(data, fit, &strong, least, misfit)
+        } else {
+            !strong.is_empty() || misfit > MISFIT || fit.disturbance.relative > ROUGHNESS
+        };
+        Self { structures, counts }
+    }
+}
+
+/// Whether friction that fluctuates throws windows from one branch of the law to the other.
+pub fn jumps(fit: &Fit) -> bool {
+    fit.hypothesis.rig.law.has_branches() && fit.disturbance.relative > LITTLE_ROUGHNESS
+}
+
+/// Whether `strong` structure, or the misfit, is more than the model leaves of records that it made itself.
+fn beyond_chance(data: &Data, fit: &Fit, strong: &[&Structure], least: f64, misfit: f64) -> bool {
+    let rehearsals = rehearse(data, fit);
+    let by_chance = |s: &Structure| {
+        rehearsals
+            .iter()
+            .flat_map(|rehearsal| &rehearsal.structures)
+            .filter(|left| left.coordinate == s.coordinate)
+            .map(|left| left.gain)
+            .fold(0.0, f64::max)
+    };
+    let misfit_by_chance = rehearsals
+        .iter()
+        .map(|rehearsal| rehearsal.typical_misfit)
+        .fold(1.0, f64::max);
+    misfit > MISFIT * misfit_by_chance
+        || strong
+            .iter()
+            .any(|s| s.gain > least + CHANCE * by_chance(s))
+}
