@@ -154,7 +154,7 @@ pub fn diagnose(
     let mut gains = Vec::new();
     let mut names: Vec<&'static str> = Vec::new();
     let mut guided = 0;
-    let mut settled = None;
+    let mut looked: Option<Left> = None;
     while names.len() < MOST_EFFECTS {
         let round = names.len();
         let tried = try_all(data, &current, without, &mut |name| {
@@ -170,6 +170,7 @@ pub fn diagnose(
             && let Some(better) = guide.fit.without_last_effect(data, &current)
         {
             guided = names.len() + 1;
+            looked = None;
             if names.is_empty() {
                 base = better.clone();
             }
@@ -204,12 +205,9 @@ pub fn diagnose(
         if accepted.is_none() || current.is_explained(data) && round > 0 {
             break;
         }
-        if jumps(&current) {
-            let left = Left::by(data, &current, gains.iter().sum());
-            if !left.counts {
-                settled = Some(left);
-                break;
-            }
+        looked = jumps(&current).then(|| Left::by(data, &current, gains.iter().sum()));
+        if looked.as_ref().is_some_and(|left| !left.counts) {
+            break;
         }
     }
     let added = names.len();
@@ -224,7 +222,7 @@ pub fn diagnose(
     );
     progress(Progress::Locating);
     let explained: f64 = gains.iter().sum();
-    let mut left = match settled.filter(|_| names.len() == added) {
+    let mut left = match looked.filter(|_| names.len() == added) {
         Some(left) => left,
         None if names.is_empty() => Left::among(data, &current, structure.clone(), explained),
         None => Left::by(data, &current, explained),

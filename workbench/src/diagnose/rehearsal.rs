@@ -7,7 +7,6 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, index};
 
@@ -15,13 +14,13 @@ use super::data::Data;
 use super::fit::{Fit, fit};
 use super::marginal::Disturbance;
 use super::run::{CHANNELS, Run};
-use super::structure::{Structure, structures};
+use super::structure::{Coordinate, Structure, structures};
 use crate::random::Random;
 
-/// Rehearsals; what the strongest of them leaves is what chance may leave.
-const REHEARSALS: u64 = 2;
+/// Most rehearsals; what the strongest of them leaves is what chance may leave.
+const REHEARSALS: u64 = 4;
 /// Steps in which the fitted model settles on the records of a rehearsal.
-const STEPS: usize = 6;
+const STEPS: usize = 4;
 
 /// What is left of the records of a rehearsal.
 #[derive(Debug)]
@@ -32,13 +31,21 @@ pub struct Rehearsal {
     pub typical_misfit: f64,
 }
 
-/// Rehearsals of `fitted` on the inputs of `data`; fewer where the model cannot run through them.
-#[must_use]
-pub fn rehearse(data: &Data, fitted: &Fit) -> Vec<Rehearsal> {
-    (1..=REHEARSALS)
-        .into_par_iter()
-        .filter_map(|seed| rehearsal(data, fitted, seed))
-        .collect()
+impl Rehearsal {
+    /// Gain in ln likelihood of a residual torque over this coordinate; 0 where there is none.
+    #[must_use]
+    pub fn gain_over(&self, coordinate: Coordinate) -> f64 {
+        self.structures
+            .iter()
+            .filter(|left| left.coordinate == coordinate)
+            .map(|left| left.gain)
+            .fold(0.0, f64::max)
+    }
+}
+
+/// Rehearsals of `fitted` on the inputs of `data`, one after the other; fewer where the model cannot run through them.
+pub fn rehearse<'a>(data: &'a Data, fitted: &'a Fit) -> impl Iterator<Item = Rehearsal> + 'a {
+    (1..=REHEARSALS).filter_map(|seed| rehearsal(data, fitted, seed))
 }
 
 fn rehearsal(data: &Data, fitted: &Fit, seed: u64) -> Option<Rehearsal> {
@@ -117,4 +124,76 @@ fn played(
         }
     }
     Ok(played)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use std::path::Path;
+
+    use stickslip::plant::ModelFile;
+
+    use crate::diagnose::hypothesis::Hypothesis;
+    use crate::diagnose::robust::Robust;
+    use crate::diagnose::sensors::Sensors;
+    use crate::diagnose::window::{Begin, Cut};
+
+    /// A rig that turns from rest under constant inputs, with friction that fluctuates by this share.
+    fn turning(relative: f64) -> (Data, Fit) {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/unbalance/model.toml");
+        let text = std::fs::read_to_string(path).unwrap();
+        let model = ModelFile::parse(&text, "believed").unwrap();
+        let samples = 1200;
+        let run = Run {
+            name: "turning".to_owned(),
+            time: (0..samples).map(|j| 0.01 * f64::from(j)).collect(),
+            voltage: vec![model.rig.voltage_for_speed(12.0); 1200],
+            normal_force: vec![20.0; 1200],
+            readings: std::array::from_fn(|_| vec![0.0; 1200]),
+        };
+        let cut = Cut::of(&model.rig, Begin::Clear);
+        let data = Data::new(Arc::new(vec![run]), cut, Sensors::default().deviations());
+        let hypothesis = Hypothesis::base(&model);
+        let mut fitted = fit(&data, hypothesis, data.anchors(), 0, Robust::JUDGING);
+        fitted.disturbance = Disturbance {
+            relative,
+            ..Disturbance::NONE
+        };
+        (data, fitted)
+    }
+
+    #[test]
+    fn a_rehearsal_leaves_the_sensors_noise_alone() {
+        for relative in [0.0, 0.04] {
+            let (data, fitted) = turning(relative);
+            let left = rehearsal(&data, &fitted, 1).unwrap();
+            let misfit = left.typical_misfit;
+            assert!(misfit > 0.8 && misfit < 1.1, "{relative}: {misfit}");
+            assert!(left.gain_over(Coordinate::Time) < 10.0);
+        }
+    }
+
+    #[test]
+    fn friction_fluctuates_as_found() {
+        let courses = [0.0, 0.04].map(|relative| {
+            let (data, fitted) = turning(relative);
+            let rig = fitted.hypothesis.rig_at().unwrap();
+            let (run, start) = (&data.runs[0], &fitted.starts[0]);
+            let mut random = Random::new(7);
+            played(&data, run, &rig, start, &fitted.disturbance, &mut random).unwrap()
+        });
+        let [calm, rough] = &courses;
+        let scatter = |run: &Run| {
+            let speeds = &run.readings[1][600..];
+            let mean = speeds.iter().sum::<f64>() / speeds.len() as f64;
+            speeds.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / speeds.len() as f64
+        };
+        assert!(
+            scatter(rough) > 1.2 * scatter(calm),
+            "{} {}",
+            scatter(rough),
+            scatter(calm)
+        );
+    }
 }
