@@ -17,6 +17,9 @@ const MISFIT: f64 = 1.25;
 const ROUGHNESS: f64 = 0.06;
 /// Multiple of the structure that the model itself leaves in a rehearsal beyond which structure counts.
 const CHANCE: f64 = 2.0;
+/// Multiple of that beyond which no further rehearsal can matter, and structure that any may leave.
+const CLEARLY: f64 = 5.0;
+const LITTLE_CHANCE: f64 = 10.0;
 /// Misfit per residual that no fluctuation of the friction brings about: right models leave 1.2 to 1.7 under it.
 const HOPELESS: f64 = 2.5;
 
@@ -75,6 +78,13 @@ fn beyond_chance(data: &Data, fit: &Fit, strong: &[&Structure], least: f64, misf
             .any(|(s, most)| s.gain > least + CHANCE * most);
         if !structured && misfit <= MISFIT * misfit_by_chance {
             return false;
+        }
+        let clearly = strong
+            .iter()
+            .zip(&by_chance)
+            .any(|(s, most)| s.gain > least + CLEARLY * CHANCE * most.max(LITTLE_CHANCE));
+        if clearly {
+            return true;
         }
     }
     true
