@@ -19,7 +19,7 @@ const ROUGHNESS: f64 = 0.06;
 const CHANCE: f64 = 2.0;
 /// Multiple of that beyond which no further rehearsal can matter, and structure that any may leave.
 const CLEARLY: f64 = 5.0;
-const LITTLE_CHANCE: f64 = 10.0;
+const LITTLE_CHANCE: f64 = 60.0;
 /// Misfit per residual that no fluctuation of the friction brings about: right models leave 1.2 to 1.7 under it.
 const HOPELESS: f64 = 2.5;
 
