@@ -17,8 +17,9 @@ const MISFIT: f64 = 1.25;
 const ROUGHNESS: f64 = 0.06;
 /// Multiple of the structure that the model itself leaves in a rehearsal beyond which structure counts.
 const CHANCE: f64 = 2.0;
-/// Multiple of that beyond which no further rehearsal can matter, and structure that any may leave.
+/// Multiple of that beyond which no further rehearsal can matter.
 const CLEARLY: f64 = 5.0;
+/// Structure that another rehearsal may leave although those so far left less.
 const LITTLE_CHANCE: f64 = 60.0;
 /// Misfit per residual that no fluctuation of the friction brings about: right models leave 1.2 to 1.7 under it.
 const HOPELESS: f64 = 2.5;

@@ -85,7 +85,7 @@ fn played(
     let remembered = (-run.interval() / disturbance.correlation_time).exp();
     let mut fluctuation = disturbance.relative * random.normal();
     let inputs = |sample: usize, fluctuation: f64| {
-        // Friction is in proportion to the normal force.
+        // Under every law friction is in proportion to the normal force, but for a load exponent, which changes little here.
         let pressed = run.normal_force[sample] * (1.0 + fluctuation);
         RigInputs::held(run.voltage[sample], pressed, 0.0)
     };
