@@ -13,7 +13,7 @@ use workbench::diagnose::finding::{Finding, VerdictName};
 use workbench::diagnose::small_plant::finding::SmallFinding;
 
 use crate::common::stickslip;
-use crate::records::{CONTACT, DRIVE, PENDULUM, contact, drive, pendulum};
+use crate::records::{CONTACT, DRIVE, PENDULUM, contact, drive, pendulum, pendulum_read};
 
 struct Place {
     directory: tempfile::TempDir,
@@ -162,6 +162,22 @@ fn dry_friction_and_quadratic_drag_of_a_pendulum_are_named() {
     );
     let last = found.small_plant.steps.last().unwrap();
     assert!(last.held_out.rmse < 0.003, "{last:?}");
+}
+
+#[test]
+fn an_encoder_off_the_axis_of_a_pendulum_is_named() {
+    let off = 0.004;
+    let swing = |seed| pendulum_read(0.06, 0.0, 0.0, seed, off);
+    let place = Place::new(PENDULUM, &swing(1), &swing(2));
+    let (code, text) = place.run("diagnose", &[]);
+    assert_eq!(code, 0, "{text}");
+    let found = place.finding();
+    assert_eq!(names(&found), ["encoder_eccentricity"], "{text}");
+    let cosine = &found.finding.effects[0].parameters["cosine"];
+    assert!((cosine.value / off - 1.0).abs() < 0.1, "{cosine:?}");
+    let last = found.small_plant.steps.last().unwrap();
+    assert!(last.held_out.rmse < 0.0005, "{last:?}");
+    assert!(text.contains("friction_wear was not tried"), "{text}");
 }
 
 #[test]
@@ -356,9 +372,10 @@ fn the_pendulum_lacks_dry_friction_and_quadratic_drag() {
     };
     let mut named = names(&found);
     named.sort_unstable();
-    assert_eq!(named, ["coulomb_friction", "quadratic_drag"], "{text}");
+    let lacking = ["coulomb_friction", "encoder_eccentricity", "quadratic_drag"];
+    assert_eq!(named, lacking, "{text}");
     assert!(
-        found.small_plant.steps.last().unwrap().held_out.rmse < 0.0053,
+        found.small_plant.steps.last().unwrap().held_out.rmse <= 0.0052,
         "{text}"
     );
 }

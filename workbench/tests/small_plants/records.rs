@@ -120,13 +120,18 @@ viscous = 0.05
 
 /// A pendulum's swing from 1.4 rad: stiffness 40 1/s², viscous drag as given, dry friction and drag with the square of speed.
 pub fn pendulum(viscous: f64, dry: f64, square: f64, seed: u64) -> String {
+    pendulum_read(viscous, dry, square, seed, 0.0)
+}
+
+/// The same swing, read by an encoder off the axis: `off`·cos of the angle too little [rad].
+pub fn pendulum_read(viscous: f64, dry: f64, square: f64, seed: u64, off: f64) -> String {
     let mut random = Random::new(seed);
     let mut text = String::from("t,angle\n");
     let (mut x, mut v): (f64, f64) = (1.4, 0.0);
     let step = 1e-5;
     for at in 0..2_000_000 {
         if at % 1000 == 0 {
-            let reading = x + 2e-4 * random.normal();
+            let reading = x - off * x.cos() + 2e-4 * random.normal();
             let _ = writeln!(
                 text,
                 "{:.2},{:.6}",

@@ -157,9 +157,11 @@ impl Prepared {
         };
         // What is read now was there `delay` ago: the motion that goes with this force is read later.
         let shift = model.delay() / self.motion.interval;
+        let encoder = model.eccentricity();
         let force: Vec<f64> = (0..self.motion.len())
             .map(|at| {
-                let sample = self.sample(at, shift);
+                let read = self.sample(at, shift);
+                let sample = encoder.map_or(read, |encoder| encoder.motion(&read));
                 model.force(&sample) + inertia * sample.acceleration
             })
             .collect();

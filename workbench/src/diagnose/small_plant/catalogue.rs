@@ -401,6 +401,32 @@ pub const CATALOGUE: &[Entry] = &[
         force: |_, _, _| 0.0,
         starts: &[&[0.1], &[-0.1]],
     },
+    Entry {
+        name: "encoder_eccentricity",
+        description: "encoder off the axis: position = reading + cosine·cos(reading) + sine·sin(reading)",
+        signature: "a residual over the position, whatever the direction, largest where the motion is fast",
+        confusable: &["hardening"],
+        kinds: &[Pendulum],
+        path: Some(Path::Turn),
+        needs_load: false,
+        role: Role::Reading,
+        parameters: &[
+            parameter(
+                "cosine",
+                Angle,
+                Range::Free,
+                "part that goes with the cosine of the reading",
+            ),
+            parameter(
+                "sine",
+                Angle,
+                Range::Free,
+                "part that goes with the sine of the reading",
+            ),
+        ],
+        force: |_, _, _| 0.0,
+        starts: &[&[0.001, 0.001]],
+    },
 ];
 
 /// The effect of this name.

@@ -12,7 +12,7 @@ use super::console::screen;
 use super::finding::SmallFinding;
 use super::model::Model;
 use super::model_file::{SmallModel, is_small_plant};
-use super::naming::{candidates, fit_base, fit_with, name as name_effects};
+use super::naming::{candidates, fit_base, fit_with, name as name_effects, shows};
 use super::report::page;
 use super::showing::{balance, models_on_the_way, polished, step};
 use super::term::Entry;
@@ -102,11 +102,21 @@ pub fn run(
 
 fn named_finding(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {
     let has_load = case.model.columns.load.is_some();
-    let open = candidates(&case.model.model, has_load, &case.without);
+    let (open, hidden): (Vec<_>, Vec<_>) = candidates(&case.model.model, has_load, &case.without)
+        .into_iter()
+        .partition(|entry| shows(entry, case.kind(), case.records.len()));
     let problem = balance(case);
     let naming = name_effects(&problem, &case.model.model, &case.scales, &open, progress);
     progress("numbers and their intervals");
-    named(case, &naming)
+    let mut found = named(case, &naming);
+    found.finding.notes.extend(hidden.iter().map(|entry| {
+        format!(
+            "{} was not tried: in a single swing time passes as the amplitude falls, so that it cannot be told from a loss that \
+             changes with the amplitude; a second record that starts from another amplitude can tell",
+            entry.name
+        )
+    }));
+    found
 }
 
 fn located(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {

@@ -13,6 +13,7 @@ pub mod catalogue;
 pub mod columns;
 pub mod command;
 pub mod console;
+pub mod eccentricity;
 pub mod evidence;
 pub mod filter;
 pub mod finding;

@@ -1,6 +1,7 @@
 //! A small plant's model: its base and the effects added to it.
 
 use super::base::base;
+use super::eccentricity::Eccentricity;
 use super::term::{Entry, Parameter, Role, Sample};
 use super::unit::{Dimension, Kind, Path};
 
@@ -72,7 +73,7 @@ impl Model {
             match term.entry.role {
                 Role::Law if at == law => friction += (term.entry.force)(&term.values, sample, 0.0),
                 Role::Friction => friction += (term.entry.force)(&term.values, sample, 0.0),
-                Role::Law | Role::Shift | Role::Added => {}
+                Role::Law | Role::Shift | Role::Reading | Role::Added => {}
             }
         }
         for term in self.terms.iter().filter(|t| t.entry.role == Role::Added) {
@@ -93,6 +94,16 @@ impl Model {
             .filter(|(parameter, _)| parameter.dimension == Dimension::Delay)
             .map(|(_, value)| value)
             .sum()
+    }
+
+    /// How the encoder is off centre, if it is.
+    #[must_use]
+    pub fn eccentricity(&self) -> Option<Eccentricity> {
+        let reads = |term: &&Term| term.entry.role == Role::Reading;
+        self.terms.iter().find(reads).map(|term| Eccentricity {
+            cosine: term.values[0],
+            sine: term.values[1],
+        })
     }
 
     /// The friction law that holds: the last one replaces those before.

@@ -9,6 +9,7 @@ use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
 use super::term::Entry;
+use super::unit::{Dimension, Kind};
 
 /// Most effects that are named one after the other.
 const MOST_EFFECTS: usize = 8;
@@ -219,6 +220,17 @@ pub fn candidates(model: &Model, has_load: bool, without: &[String]) -> Vec<&'st
         .filter(|entry| entry.fits(model.kind, model.path, has_load))
         .filter(|entry| !model.has(entry.name) && !without.iter().any(|name| name == entry.name))
         .collect()
+}
+
+/// Whether so many records can show this effect for what it is. In a single free swing time passes as the amplitude falls:
+/// what changes with time passes for a loss that changes with the amplitude.
+#[must_use]
+pub fn shows(entry: &Entry, kind: Kind, records: usize) -> bool {
+    let by_time = entry
+        .parameters
+        .iter()
+        .any(|parameter| parameter.dimension == Dimension::PerMinute);
+    !by_time || kind != Kind::Pendulum || records > 1
 }
 
 /// What a round's candidates are compared with.

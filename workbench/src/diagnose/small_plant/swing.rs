@@ -177,11 +177,13 @@ fn best_start(model: &Model, stretch: &Stretch, readings: &[f64]) -> [f64; 2] {
     start
 }
 
+/// Angles that are read while the model runs alone from a start.
 fn simulate(model: &Model, stretch: &Stretch, start: [f64; 2], count: usize) -> Vec<f64> {
+    let encoder = model.eccentricity();
     let mut state = start;
     let mut angles = Vec::with_capacity(count);
     for at in 0..count {
-        angles.push(state[0]);
+        angles.push(encoder.map_or(state[0], |encoder| encoder.reading(state[0])));
         state = step(
             model,
             state,

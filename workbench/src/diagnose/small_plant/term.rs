@@ -54,6 +54,8 @@ pub enum Role {
     Law,
     /// Shifts the motion in time against the force.
     Shift,
+    /// Changes what is read of the position.
+    Reading,
 }
 
 /// Force [N, N m; of a pendulum rad/s²] against the motion: parameters, moment, friction of the others at that moment.
