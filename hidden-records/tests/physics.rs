@@ -83,6 +83,51 @@ fn drags_and_steady_friction_shift_the_settled_speed_as_they_should() {
 }
 
 #[test]
+fn the_motor_starts_as_its_differential_equations_say() {
+    // Without dry friction in the motor and with the disc held they are linear; Runge and Kutta's fourth order.
+    let ratio = NOMINAL.gear_ratio;
+    let inertia = ratio * ratio * NOMINAL.motor_inertia;
+    let voltage = 2.0;
+    let rate = |[angle, speed, current]: [f64; 3]| {
+        let motor =
+            NOMINAL.torque_constant * current - NOMINAL.motor_viscous_damping * ratio * speed;
+        let shaft = NOMINAL.shaft_stiffness * angle + NOMINAL.shaft_damping * speed;
+        let drop = NOMINAL.resistance * current + NOMINAL.back_emf_constant * ratio * speed;
+        [
+            speed,
+            (ratio * motor - shaft) / inertia,
+            (voltage - drop) / NOMINAL.inductance,
+        ]
+    };
+    let moved = |x: [f64; 3], k: [f64; 3], h: f64| [0, 1, 2].map(|j| x[j] + h * k[j]);
+    let steps = 10_000;
+    let h = SAMPLE_INTERVAL / f64::from(steps);
+    let mut x = [0.0; 3];
+    for _ in 0..steps {
+        let k1 = rate(x);
+        let k2 = rate(moved(x, k1, 0.5 * h));
+        let k3 = rate(moved(x, k2, 0.5 * h));
+        let k4 = rate(moved(x, k3, h));
+        x = [0, 1, 2].map(|j| x[j] + h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j]));
+    }
+    let mut free = rig(Effects::default());
+    free.parameters.motor_coulomb_torque = 0.0;
+    let inputs = constant(2.0 * SAMPLE_INTERVAL, voltage, 50.0);
+    let reached = run(&free, State::default(), &inputs)[1].state;
+    let reached = [
+        reached.gearbox_angle,
+        reached.gearbox_speed,
+        reached.current,
+    ];
+    for (reached, expected) in reached.iter().zip(x) {
+        assert!(
+            (reached / expected - 1.0).abs() < 1e-4,
+            "{reached} {expected}"
+        );
+    }
+}
+
+#[test]
 fn the_disc_swings_at_its_natural_frequency_when_the_motor_holds() {
     let start = State {
         disc_angle: 1.0,
