@@ -44,7 +44,7 @@ struct MakeArguments {
     #[arg(long, value_enum, conflicts_with = "seed")]
     suite: Option<SuiteName>,
     /// Only these groups of the suite (repeatable): full, rough, small, clean, pairs, outside,
-    /// sizes, noise.
+    /// sizes, noise, further.
     #[arg(long, requires = "suite", value_parser = parse_group)]
     group: Vec<Group>,
     /// First seed, one per case (not 10000 to 29999).
@@ -56,6 +56,9 @@ struct MakeArguments {
     /// Size over practice size: full (0.6 to 1.4), small (0.05 to 0.2) or a number.
     #[arg(long, default_value = "full", value_parser = parse_size)]
     size: (f64, f64),
+    /// Contacts that follow another law do so in part, as far as --size says, instead of wholly.
+    #[arg(long, conflicts_with = "suite")]
+    share_laws: bool,
     /// Random friction of 4 %, nominal parameters 2 % off.
     #[arg(long)]
     rough: bool,
@@ -120,7 +123,15 @@ fn plan(arguments: &MakeArguments) -> anyhow::Result<Vec<PlannedCase>> {
         (true, _, _) => Kind::pairs(),
         (_, true, _) => Kind::outsiders(),
         (_, _, true) => vec![Kind::clean(Brake::On), Kind::clean(Brake::Off)],
-        _ => Kind::singles(),
+        _ if arguments.kind.is_none() => Kind::singles(),
+        _ => Kind::singles()
+            .into_iter()
+            .chain(
+                Kind::further()
+                    .into_iter()
+                    .filter(|kind| !kind.replaces_law()),
+            )
+            .collect(),
     };
     let kinds: Vec<Kind> = kinds
         .into_iter()
@@ -141,6 +152,7 @@ fn plan(arguments: &MakeArguments) -> anyhow::Result<Vec<PlannedCase>> {
         cases: arguments.cases.context("--cases is missing")?,
         kinds,
         scale: arguments.size,
+        share_laws: arguments.share_laws,
         rough: arguments.rough,
         noise: arguments.noise,
     };

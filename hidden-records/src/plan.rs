@@ -43,6 +43,8 @@ pub enum Group {
     Sizes,
     /// One full effect with instruments half and twice as noisy.
     Noise,
+    /// Kinds that the practice records do not have: presliding, and shares of a law.
+    Further,
 }
 
 /// A case with its name.
@@ -65,6 +67,8 @@ pub struct Wish {
     pub kinds: Vec<Kind>,
     /// Size range over practice size.
     pub scale: (f64, f64),
+    /// Whether a contact that follows another law does so in part, as far as the size says, instead of wholly.
+    pub share_laws: bool,
     /// Whether friction fluctuates.
     pub rough: bool,
     /// Factor on sensor noise.
@@ -73,7 +77,7 @@ pub struct Wish {
 
 impl Group {
     /// All groups in order of their seeds.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Full,
         Self::Rough,
         Self::Small,
@@ -82,6 +86,7 @@ impl Group {
         Self::Outside,
         Self::Sizes,
         Self::Noise,
+        Self::Further,
     ];
 
     /// Name on the command line and in case names.
@@ -95,19 +100,21 @@ impl Group {
             Self::Outside => "outside",
             Self::Sizes => "sizes",
             Self::Noise => "noise",
+            Self::Further => "further",
         }
     }
 
     /// Number of cases if not said otherwise.
     pub fn default_cases(self) -> usize {
         match self {
-            Self::Full | Self::Small => 46,
-            Self::Rough => 38,
+            Self::Full | Self::Small => 44,
+            Self::Rough => 36,
             Self::Clean => 160,
             Self::Pairs => 40,
             Self::Outside => 24,
-            Self::Sizes => 92,
-            Self::Noise => 23,
+            Self::Sizes => 88,
+            Self::Noise => 22,
+            Self::Further => 20,
         }
     }
 
@@ -124,6 +131,7 @@ impl Group {
                 .to_vec(),
             Self::Pairs => Kind::pairs(),
             Self::Outside => Kind::outsiders(),
+            Self::Further => Kind::further(),
         }
     }
 
@@ -132,14 +140,17 @@ impl Group {
         let size = sizes[round % sizes.len()];
         let scale = match self {
             Self::Full | Self::Noise | Self::Pairs => FULL_SIZE,
+            Self::Further if round.is_multiple_of(2) => FULL_SIZE,
+            Self::Further => SMALL_SIZE,
             Self::Rough => (0.3, 0.7),
             Self::Small => SMALL_SIZE,
             Self::Clean | Self::Outside => (1.0, 1.0),
             Self::Sizes => (size, size),
         };
         let rough = self == Self::Rough || (self == Self::Clean && index % 4 == 3);
+        let share_laws = matches!(self, Self::Sizes | Self::Further);
         Recipe {
-            scale: whole_law(&kind, scale),
+            scale: law_share(&kind, scale, share_laws),
             kind,
             seed,
             spread: if rough { (0.02, 0.02) } else { (0.01, 0.02) },
@@ -208,7 +219,7 @@ impl Wish {
         let recipe = |index: usize| {
             let kind = self.kinds[index % self.kinds.len()].clone();
             Recipe {
-                scale: whole_law(&kind, self.scale),
+                scale: law_share(&kind, self.scale, self.share_laws),
                 kind,
                 seed: self.seed + index as u64,
                 spread: if self.rough {
@@ -229,13 +240,9 @@ impl Wish {
     }
 }
 
-/// At full size a law is hidden whole; only smaller sizes hide a share of the difference.
-fn whole_law(kind: &Kind, scale: (f64, f64)) -> (f64, f64) {
-    let replaces_law = kind
-        .effects
-        .iter()
-        .any(|effect| effect.replaced_law().is_some());
-    if replaces_law && scale == FULL_SIZE {
+/// Share of a law that is hidden: all of it, whatever the size of other effects, unless shares are asked for.
+fn law_share(kind: &Kind, scale: (f64, f64), share_laws: bool) -> (f64, f64) {
+    if kind.replaces_law() && !share_laws {
         (1.0, 1.0)
     } else {
         scale
@@ -284,6 +291,7 @@ mod tests {
             cases: 2,
             kinds: Kind::singles(),
             scale: (1.0, 1.0),
+            share_laws: false,
             rough: false,
             noise: 1.0,
         };

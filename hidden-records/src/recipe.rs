@@ -296,7 +296,7 @@ impl Kind {
         Self::new(name, &[], brake, "stribeck")
     }
 
-    /// Every kind of the practice records that hides one effect, and presliding.
+    /// Every kind of the practice records that hides one effect.
     pub fn singles() -> Vec<Self> {
         let mut kinds: Vec<Self> = CATALOGUE
             .iter()
@@ -335,11 +335,32 @@ impl Kind {
                 Brake::On,
                 "coulomb_stiction",
             ),
-            ("presliding", Effect::Presliding, Brake::On, "stribeck"),
         ] {
             kinds.push(Self::new(name, &[effect], brake, base));
         }
         kinds
+    }
+
+    /// Kinds of a catalogue that the practice records do not have: presliding, and contacts that follow another law in part.
+    pub fn further() -> Vec<Self> {
+        let mut kinds: Vec<Self> = Self::singles()
+            .into_iter()
+            .filter(Self::replaces_law)
+            .collect();
+        kinds.push(Self::new(
+            "presliding",
+            &[Effect::Presliding],
+            Brake::On,
+            "stribeck",
+        ));
+        kinds
+    }
+
+    /// Whether the contact follows another law than the analyst's.
+    pub fn replaces_law(&self) -> bool {
+        self.effects
+            .iter()
+            .any(|effect| effect.replaced_law().is_some())
     }
 
     /// Kinds in no catalogue, `outside_<name>`.
@@ -449,7 +470,8 @@ mod tests {
 
     #[test]
     fn kinds_cover_the_practice_records_and_more() {
-        assert_eq!(Kind::singles().len(), 23);
+        assert_eq!(Kind::singles().len(), 22);
+        assert_eq!(Kind::further().len(), 5);
         assert_eq!(Kind::outsiders().len(), 6);
         // 18·17/2 pairs less three of two laws and one equivalent.
         assert_eq!(Kind::pairs().len(), 149);

@@ -25,6 +25,7 @@ fn one_case(kind: &str, seed: u64) -> Vec<PlannedCase> {
             .filter(|candidate| candidate.name == kind)
             .collect(),
         scale: (0.6, 1.4),
+        share_laws: false,
         rough: false,
         noise: 1.0,
     }
