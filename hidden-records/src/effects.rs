@@ -81,6 +81,30 @@ pub struct Effects {
     pub bump_centre: f64,
     /// Width of the bump [rad/s].
     pub bump_width: f64,
+    /// Relative growth of the breakaway torque over a dwell of e times `dwell_tau` at rest [-].
+    pub dwell_gain: f64,
+    /// Dwell from which it grows [s].
+    pub dwell_tau: f64,
+    /// Time by which the friction torque lags behind its law [s].
+    pub memory_tau: f64,
+    /// Time by which the drive's voltage lags behind the command [s].
+    pub drive_tau: f64,
+    /// Amplitude by which the disc's encoder errs over one turn [rad].
+    pub eccentricity: f64,
+    /// Its phase [rad].
+    pub eccentricity_ph: f64,
+    /// Reading of the disc's tachometer over its speed [-].
+    pub tacho_gain: f64,
+    /// Relative amplitude of a normal force that varies three times per turn [-].
+    pub lobes_a: f64,
+    /// Its phase [rad].
+    pub lobes_ph: f64,
+    /// Share of the normal force that a speed of 1 rad/s lifts off, growing with its square [s²/rad²].
+    pub lifting: f64,
+    /// Share of the torque constant lost when warm [-].
+    pub fading: f64,
+    /// Time constant of warming [s].
+    pub fading_tau: f64,
 }
 
 impl Default for Effects {
@@ -121,6 +145,18 @@ impl Default for Effects {
             bump_height: 0.0,
             bump_centre: 1.0,
             bump_width: 1.0,
+            dwell_gain: 0.0,
+            dwell_tau: 1.0,
+            memory_tau: 0.0,
+            drive_tau: 0.0,
+            eccentricity: 0.0,
+            eccentricity_ph: 0.0,
+            tacho_gain: 1.0,
+            lobes_a: 0.0,
+            lobes_ph: 0.0,
+            lifting: 0.0,
+            fading: 0.0,
+            fading_tau: 1.0,
         }
     }
 }

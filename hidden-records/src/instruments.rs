@@ -5,6 +5,7 @@ use crate::excitation::{Excitation, SAMPLE_INTERVAL};
 use crate::random::Stream;
 use crate::simulator::Sample;
 use core::f64::consts::TAU;
+use libm::sin;
 use std::fmt::Write;
 
 /// Angle of one step of the disc encoder [rad].
@@ -58,8 +59,12 @@ pub fn record_csv(
         } else {
             force + hidden.cell_bias + force_noise
         };
-        let disc_speed = sample.seen_disc_speed + noise.disc_speed * stream.normal();
+        let disc_speed =
+            hidden.tacho_gain * sample.seen_disc_speed + noise.disc_speed * stream.normal();
         let gearbox_speed = sample.state.gearbox_speed + noise.gearbox_speed * stream.normal();
+        let off = sample.seen_disc_angle - hidden.eccentricity_ph;
+        let disc_angle =
+            sample.seen_disc_angle + hidden.eccentricity * (sin(off) + sin(hidden.eccentricity_ph));
         // Writing into a String cannot fail.
         let _ = writeln!(
             text,
@@ -67,7 +72,7 @@ pub fn record_csv(
             index as f64 * SAMPLE_INTERVAL,
             excitation.voltage[index],
             reading,
-            encoder(sample.seen_disc_angle, DISC_ENCODER_STEP) + 0.0,
+            encoder(disc_angle, DISC_ENCODER_STEP) + 0.0,
             disc_speed,
             encoder(sample.state.gearbox_angle, MOTOR_ENCODER_STEP) + 0.0,
             gearbox_speed,

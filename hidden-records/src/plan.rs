@@ -111,7 +111,7 @@ impl Group {
             Self::Rough => 36,
             Self::Clean => 160,
             Self::Pairs => 40,
-            Self::Outside => 24,
+            Self::Outside => 28,
             Self::Sizes => 88,
             Self::Noise => 22,
             Self::Further => 20,

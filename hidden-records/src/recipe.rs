@@ -47,6 +47,14 @@ pub enum Effect {
     PeriodicTorque,
     ShaftSoftening,
     TorqueSaturation,
+    BreakawayAfterDwell,
+    FrictionMemory,
+    DriveLag,
+    EncoderEccentricity,
+    TachometerGain,
+    ThreeLobes,
+    LiftingPin,
+    FadingMotor,
 }
 
 /// Effects of the practice records; any two can stand in a pair.
@@ -171,6 +179,14 @@ impl Effect {
             Self::PeriodicTorque => "periodic_torque",
             Self::ShaftSoftening => "shaft_softening",
             Self::TorqueSaturation => "torque_saturation",
+            Self::BreakawayAfterDwell => "breakaway_after_dwell",
+            Self::FrictionMemory => "friction_memory",
+            Self::DriveLag => "drive_lag",
+            Self::EncoderEccentricity => "encoder_eccentricity",
+            Self::TachometerGain => "tachometer_gain",
+            Self::ThreeLobes => "three_lobes",
+            Self::LiftingPin => "lifting_pin",
+            Self::FadingMotor => "fading_motor",
         }
     }
 
@@ -273,6 +289,26 @@ impl Effect {
                 hidden.softening_tau = stream.uniform(10.0, 25.0);
             }
             Self::TorqueSaturation => hidden.saturation_i = stream.uniform(1.45, 1.7) / scale,
+            Self::BreakawayAfterDwell => {
+                hidden.dwell_gain = scale * stream.uniform(0.08, 0.15);
+                hidden.dwell_tau = stream.uniform(0.02, 0.1);
+            }
+            Self::FrictionMemory => hidden.memory_tau = scale * stream.uniform(0.03, 0.08),
+            Self::DriveLag => hidden.drive_tau = scale * stream.uniform(0.03, 0.08),
+            Self::EncoderEccentricity => {
+                hidden.eccentricity = scale * stream.uniform(0.02, 0.05);
+                hidden.eccentricity_ph = stream.uniform(0.0, TAU);
+            }
+            Self::TachometerGain => hidden.tacho_gain = 1.0 + scale * stream.uniform(0.03, 0.06),
+            Self::ThreeLobes => {
+                hidden.lobes_a = scale * stream.uniform(0.15, 0.3);
+                hidden.lobes_ph = stream.uniform(0.0, TAU);
+            }
+            Self::LiftingPin => hidden.lifting = scale * stream.uniform(0.002, 0.005),
+            Self::FadingMotor => {
+                hidden.fading = scale * stream.uniform(0.1, 0.2);
+                hidden.fading_tau = stream.uniform(10.0, 25.0);
+            }
         }
     }
 }
@@ -372,6 +408,14 @@ impl Kind {
             Effect::PeriodicTorque,
             Effect::ShaftSoftening,
             Effect::TorqueSaturation,
+            Effect::BreakawayAfterDwell,
+            Effect::FrictionMemory,
+            Effect::DriveLag,
+            Effect::EncoderEccentricity,
+            Effect::TachometerGain,
+            Effect::ThreeLobes,
+            Effect::LiftingPin,
+            Effect::FadingMotor,
         ]
         .iter()
         .map(|&effect| {
@@ -472,7 +516,7 @@ mod tests {
     fn kinds_cover_the_practice_records_and_more() {
         assert_eq!(Kind::singles().len(), 22);
         assert_eq!(Kind::further().len(), 5);
-        assert_eq!(Kind::outsiders().len(), 6);
+        assert_eq!(Kind::outsiders().len(), 14);
         // 18·17/2 pairs less three of two laws and one equivalent.
         assert_eq!(Kind::pairs().len(), 149);
     }

@@ -30,6 +30,8 @@ const BEARING_DEFLECTION: f64 = 4e-6;
 const MOTOR_DEFLECTION: f64 = 4e-6;
 /// Lag of the acceleration that the two-Gaussian law sees [s]: it closes the algebraic loop.
 const ACCELERATION_LAG: f64 = 5e-5;
+/// Speed below which a disc counts as resting [rad/s].
+const RESTING: f64 = 1e-2;
 /// Normal force at which the load exponent changes nothing [N].
 const REFERENCE_FORCE: f64 = 50.0;
 
@@ -83,6 +85,9 @@ pub struct Simulator<'rig> {
     lagged_acceleration: f64,
     absorber_angle: f64,
     absorber_speed: f64,
+    drive_voltage: f64,
+    friction_level: f64,
+    rest: f64,
     random_factor: f64,
     steps_to_draw: usize,
     contact_noise: Stream,
@@ -106,6 +111,9 @@ impl<'rig> Simulator<'rig> {
             lagged_acceleration: 0.0,
             absorber_angle: state.disc_angle,
             absorber_speed: state.disc_speed,
+            drive_voltage: 0.0,
+            friction_level: 0.0,
+            rest: 0.0,
             random_factor,
             steps_to_draw: STEPS_PER_DRAW,
             contact_noise,
@@ -197,14 +205,21 @@ impl<'rig> Simulator<'rig> {
         let middle_speed = speed + 0.5 * self.gearbox_gain;
         let resistance = rig.resistance * (1.0 + hidden.dRdt * self.time / 60.0);
         let decay = 0.5 * STEP * resistance / rig.inductance;
-        let drive = hidden.uscale * voltage - rig.back_emf_constant * ratio * middle_speed;
+        self.drive_voltage = if hidden.drive_tau == 0.0 {
+            voltage
+        } else {
+            self.drive_voltage + STEP / hidden.drive_tau * (voltage - self.drive_voltage)
+        };
+        let drive =
+            hidden.uscale * self.drive_voltage - rig.back_emf_constant * ratio * middle_speed;
         let before = self.state.current;
         self.state.current =
             ((1.0 - decay) * before + STEP / rig.inductance * drive) / (1.0 + decay);
 
         let middle_current = 0.5 * (before + self.state.current);
         let felt_current = middle_current.clamp(-hidden.saturation_i, hidden.saturation_i);
-        let mut motor_torque = rig.torque_constant * felt_current
+        let warm = 1.0 - hidden.fading * (1.0 - exp(-self.time / hidden.fading_tau));
+        let mut motor_torque = rig.torque_constant * warm * felt_current
             - (rig.motor_viscous_damping + hidden.motor_visc) * ratio * middle_speed;
         if hidden.cog_T != 0.0 {
             motor_torque += hidden.cog_T * sin(2.0 * ratio * self.state.gearbox_angle);
@@ -268,6 +283,14 @@ impl<'rig> Simulator<'rig> {
         if hidden.wobble_a != 0.0 {
             normal_force *= 1.0 + hidden.wobble_a * cos(self.state.disc_angle - hidden.wobble_ph);
         }
+        if hidden.lobes_a != 0.0 {
+            let phase = 3.0 * self.state.disc_angle - hidden.lobes_ph;
+            normal_force *= 1.0 + hidden.lobes_a * cos(phase);
+        }
+        if hidden.lifting != 0.0 {
+            let speed = self.state.disc_speed;
+            normal_force *= (1.0 - hidden.lifting * speed * speed).max(0.0);
+        }
         if hidden.load_exp != 1.0 {
             normal_force =
                 REFERENCE_FORCE * libm::pow(normal_force / REFERENCE_FORCE, hidden.load_exp);
@@ -285,12 +308,28 @@ impl<'rig> Simulator<'rig> {
         let law = &self.rig.law;
         let along = if speed < 0.0 { -1.0 } else { 1.0 };
         let level = law.coefficient(speed.abs(), along * self.lagged_acceleration);
-        let breakaway = torque_per_mu * law.breakaway();
+        let mut breakaway = torque_per_mu * law.breakaway();
+        let mut level = torque_per_mu * level;
+        if hidden.dwell_gain != 0.0 {
+            self.rest = if speed.abs() < RESTING {
+                self.rest + STEP
+            } else {
+                0.0
+            };
+            let grown = 1.0 + hidden.dwell_gain * libm::log(1.0 + self.rest / hidden.dwell_tau);
+            breakaway *= grown;
+            if self.rest > 0.0 {
+                level *= grown;
+            }
+        }
+        if hidden.memory_tau != 0.0 {
+            self.friction_level += STEP / hidden.memory_tau * (level - self.friction_level);
+            level = self.friction_level;
+        }
         if hidden.bristle_k.is_finite() && breakaway > 0.0 {
             self.pin.soften(breakaway / hidden.bristle_k);
         }
-        self.pin
-            .advance(STEP, speed, breakaway, torque_per_mu * level, inertia)
+        self.pin.advance(STEP, speed, breakaway, level, inertia)
     }
 
     /// Ornstein–Uhlenbeck factor, exact between its draws.
