@@ -20,8 +20,8 @@ impl Fit {
     ///
     /// The windows' curvature tells the deviations as far as residuals are independent noise. Some are not: a level of the
     /// normal force is known no better than the load cell's noise lets it, and that error is the same as long as the level
-    /// lasts. The scatter of what each stretch of windows pulls the numbers by tells this (the sandwich estimate of Huber and
-    /// White, clustered by stretches); the larger of the two deviations is given.
+    /// lasts. How far the numbers move when one stretch of windows after the other is left out tells this (the jackknife over
+    /// clusters: Bell and McCaffrey, Survey Methodology 28, 2002); the larger of the two deviations is given.
     pub fn estimates(&self, data: &Data) -> Vec<Estimate> {
         let covariance = self.covariance(data);
         self.hypothesis
@@ -34,53 +34,72 @@ impl Fit {
         let precisions = h.prior_precisions();
         let (curvature, _) =
             normal_equations(forms.iter().flatten(), &precisions, &h.x, self.judging);
-        let inverse = Cholesky::new(curvature)?.inverse();
-        let pulls = pulls(&data.windows, &forms, self.judging, |window| {
+        let stretches = stretches(&data.windows, &forms, self.judging, |window| {
             data.runs[window.run].time[window.first]
         });
-        Some(widened(&inverse, precisions, &pulls))
+        widened(&curvature, precisions, &stretches)
     }
 }
 
-/// `inverse`, the covariance by the curvature alone, with deviations no less than the scatter of the stretches' pulls tells.
-fn widened(inverse: &DMatrix<f64>, precisions: Vec<f64>, pulls: &[DVector<f64>]) -> DMatrix<f64> {
-    if pulls.len() < LEAST_STRETCHES {
-        return inverse.clone();
-    }
-    let count = pulls.len() as f64;
-    let mean = pulls.iter().sum::<DVector<f64>>() / count;
-    let mut scatter = DMatrix::from_diagonal(&DVector::from_vec(precisions));
-    for pull in pulls {
-        let about = pull - &mean;
-        scatter += &about * about.transpose() * (count / (count - 1.0));
-    }
-    let clustered = inverse * scatter * inverse;
-    let wider = |j: usize| (clustered[(j, j)] / inverse[(j, j)]).max(1.0).sqrt();
-    DMatrix::from_fn(inverse.nrows(), inverse.ncols(), |i, j| {
-        inverse[(i, j)] * wider(i) * wider(j)
-    })
+/// What a stretch of windows of one record says of the free numbers.
+struct Stretch {
+    curvature: DMatrix<f64>,
+    pull: DVector<f64>,
 }
 
-/// What each stretch of windows of one record pulls the free numbers by.
-fn pulls(
+/// The inverse of `curvature`, with deviations no less than what leaving out each stretch tells.
+fn widened(
+    curvature: &DMatrix<f64>,
+    precisions: Vec<f64>,
+    stretches: &[Stretch],
+) -> Option<DMatrix<f64>> {
+    let inverse = Cholesky::new(curvature.clone())?.inverse();
+    if stretches.len() < LEAST_STRETCHES {
+        return Some(inverse);
+    }
+    let count = stretches.len() as f64;
+    let prior = DMatrix::from_diagonal(&DVector::from_vec(precisions));
+    let mut scatter = &inverse * prior * &inverse;
+    for stretch in stretches {
+        let moved = match Cholesky::new(curvature - &stretch.curvature) {
+            Some(rest) => rest.solve(&stretch.pull),
+            // A number that this stretch alone tells cannot be judged without it.
+            None => &inverse * &stretch.pull,
+        };
+        scatter += &moved * moved.transpose() * ((count - 1.0) / count);
+    }
+    let wider = |j: usize| (scatter[(j, j)] / inverse[(j, j)]).max(1.0).sqrt();
+    Some(DMatrix::from_fn(
+        inverse.nrows(),
+        inverse.ncols(),
+        |i, j| inverse[(i, j)] * wider(i) * wider(j),
+    ))
+}
+
+/// The windows of each record, joined into stretches.
+fn stretches(
     windows: &[Window],
     forms: &[Option<Reduced>],
     robust: Robust,
     begin: impl Fn(&Window) -> f64,
-) -> Vec<DVector<f64>> {
-    let mut pulls: Vec<DVector<f64>> = Vec::new();
+) -> Vec<Stretch> {
+    let mut stretches: Vec<Stretch> = Vec::new();
     let mut present = None;
     for (window, form) in windows.iter().zip(forms) {
         let Some(form) = form else { continue };
-        let stretch = Some((window.run, (begin(window) / STRETCH) as usize));
-        let pull = &form.gradient * robust.weight(form.square, form.residuals);
-        match pulls.last_mut() {
-            Some(last) if stretch == present => *last += pull,
-            _ => pulls.push(pull),
+        let place = Some((window.run, (begin(window) / STRETCH) as usize));
+        let weight = robust.weight(form.square, form.residuals);
+        let (curvature, pull) = (&form.curvature * weight, &form.gradient * weight);
+        match stretches.last_mut() {
+            Some(last) if place == present => {
+                last.curvature += curvature;
+                last.pull += pull;
+            }
+            _ => stretches.push(Stretch { curvature, pull }),
         }
-        present = stretch;
+        present = place;
     }
-    pulls
+    stretches
 }
 
 #[cfg(test)]
@@ -89,14 +108,17 @@ mod tests {
 
     /// Two numbers that 20 stretches know with precision 5 each; their pulls have `size` standard deviations.
     fn deviations(size: f64) -> [f64; 2] {
-        let inverse = DMatrix::identity(2, 2) / 100.0;
-        let pulls: Vec<DVector<f64>> = (0..20)
+        let stretches: Vec<Stretch> = (0..20)
             .map(|j| {
                 let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
-                DVector::from_vec(vec![sign * size * 5_f64.sqrt(), 0.0])
+                Stretch {
+                    curvature: DMatrix::identity(2, 2) * 5.0,
+                    pull: DVector::from_vec(vec![sign * size * 5_f64.sqrt(), 0.0]),
+                }
             })
             .collect();
-        let found = widened(&inverse, vec![0.0; 2], &pulls);
+        let curvature = DMatrix::identity(2, 2) * 100.0;
+        let found = widened(&curvature, vec![0.0; 2], &stretches).unwrap();
         [found[(0, 0)].sqrt(), found[(1, 1)].sqrt()]
     }
 
@@ -104,17 +126,24 @@ mod tests {
     fn stretches_that_disagree_widen_the_deviation_and_others_do_not_narrow_it() {
         assert_eq!(deviations(0.5), [0.1, 0.1]);
         let [disputed, agreed] = deviations(3.0);
-        assert!(
-            (disputed - 0.3 * (20.0_f64 / 19.0).sqrt()).abs() < 1e-12,
-            "{disputed}"
-        );
+        // The mean of twenty values: standard deviation over the square root of their number.
+        let scatter = 0.3 * (20.0_f64 / 19.0).sqrt();
+        assert!((disputed - scatter).abs() < 1e-12, "{disputed}");
         assert_eq!(agreed, 0.1);
     }
 
     #[test]
     fn too_few_stretches_tell_nothing() {
-        let inverse = DMatrix::identity(1, 1);
-        let pulls = vec![DVector::from_vec(vec![9.0]); LEAST_STRETCHES - 1];
-        assert_eq!(widened(&inverse, vec![0.0], &pulls), inverse);
+        let stretches: Vec<Stretch> = (1..LEAST_STRETCHES)
+            .map(|_| Stretch {
+                curvature: DMatrix::identity(1, 1) * 0.1,
+                pull: DVector::from_vec(vec![9.0]),
+            })
+            .collect();
+        let curvature = DMatrix::identity(1, 1);
+        assert_eq!(
+            widened(&curvature, vec![0.0], &stretches).unwrap(),
+            curvature
+        );
     }
 }

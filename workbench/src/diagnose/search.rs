@@ -340,7 +340,8 @@ impl Exploration<'_> {
         let mut starts: Vec<(f64, &'static Entry, Fit)> = Vec::new();
         for entry in entries {
             progress(entry.name);
-            let look = if entry.is_nonlinear() && self.wrong {
+            let branches = self.base.hypothesis.rig.law.has_branches();
+            let look = if self.wrong && (entry.is_nonlinear() || branches) {
                 2
             } else {
                 0
