@@ -299,7 +299,7 @@ impl Effect {
                 hidden.eccentricity = scale * stream.uniform(0.02, 0.05);
                 hidden.eccentricity_ph = stream.uniform(0.0, TAU);
             }
-            Self::TachometerGain => hidden.tacho_gain = 1.0 + scale * stream.uniform(0.03, 0.06),
+            Self::TachometerGain => hidden.tacho_gain = 1.0 + scale * stream.uniform(0.02, 0.04),
             Self::ThreeLobes => {
                 hidden.lobes_a = scale * stream.uniform(0.15, 0.3);
                 hidden.lobes_ph = stream.uniform(0.0, TAU);
