@@ -21,7 +21,8 @@ impl Fit {
     /// The windows' curvature tells the deviations as far as residuals are independent noise. Some are not: a level of the
     /// normal force is known no better than the load cell's noise lets it, and that error is the same as long as the level
     /// lasts. How far the numbers move when one stretch of windows after the other is left out tells this (the jackknife over
-    /// clusters: Bell and McCaffrey, Survey Methodology 28, 2002); the larger of the two deviations is given.
+    /// clusters, with Student's factor for the few that it rests on: Bell and McCaffrey, Survey Methodology 28, 2002); the
+    /// larger of the two deviations is given.
     pub fn estimates(&self, data: &Data) -> Vec<Estimate> {
         let covariance = self.covariance(data);
         self.hypothesis
@@ -59,8 +60,11 @@ fn widened(
     }
     let count = stretches.len() as f64;
     let prior = DMatrix::from_diagonal(&DVector::from_vec(precisions));
-    let mut scatter = &inverse * prior * &inverse;
+    let prior_share = &inverse * prior * &inverse;
+    let mut freedom = Freedom::new(&prior_share);
+    let mut scatter = prior_share;
     for stretch in stretches {
+        freedom.add(&(&inverse * &stretch.curvature * &inverse));
         let moved = match Cholesky::new(curvature - &stretch.curvature) {
             Some(rest) => rest.solve(&stretch.pull),
             // A number that this stretch alone tells cannot be judged without it.
@@ -68,12 +72,52 @@ fn widened(
         };
         scatter += &moved * moved.transpose() * ((count - 1.0) / count);
     }
-    let wider = |j: usize| (scatter[(j, j)] / inverse[(j, j)]).max(1.0).sqrt();
+    let wider = |j: usize| {
+        let ratio = (scatter[(j, j)] / inverse[(j, j)]).sqrt();
+        (ratio * student(freedom.of(j)) / NORMAL).max(1.0)
+    };
     Some(DMatrix::from_fn(
         inverse.nrows(),
         inverse.ncols(),
         |i, j| inverse[(i, j)] * wider(i) * wider(j),
     ))
+}
+
+/// How many stretches a number's scatter rests on (Satterthwaite's degrees of freedom): as many as tell the same of it.
+struct Freedom {
+    sum: DVector<f64>,
+    squares: DVector<f64>,
+}
+
+impl Freedom {
+    fn new(share: &DMatrix<f64>) -> Self {
+        let own = share.diagonal();
+        Self {
+            squares: own.map(|x| x * x),
+            sum: own,
+        }
+    }
+
+    fn add(&mut self, share: &DMatrix<f64>) {
+        let own = share.diagonal();
+        self.squares += own.map(|x| x * x);
+        self.sum += own;
+    }
+
+    fn of(&self, number: usize) -> f64 {
+        self.sum[number].powi(2) / self.squares[number]
+    }
+}
+
+/// Deviations within which a normal variable lies with 95 % probability.
+const NORMAL: f64 = 1.96;
+/// Least degrees of freedom for which [`student`] holds to a hundredth.
+const LEAST_FREEDOM: f64 = 3.0;
+
+/// Deviations within which Student's variable lies with 95 % probability (Abramowitz and Stegun 26.7.5).
+fn student(freedom: f64) -> f64 {
+    let inverse = 1.0 / freedom.max(LEAST_FREEDOM);
+    NORMAL + inverse * (2.372 + inverse * (2.823 + inverse * 2.556))
 }
 
 /// The windows of each record, joined into stretches.
@@ -126,10 +170,21 @@ mod tests {
     fn stretches_that_disagree_widen_the_deviation_and_others_do_not_narrow_it() {
         assert_eq!(deviations(0.5), [0.1, 0.1]);
         let [disputed, agreed] = deviations(3.0);
-        // The mean of twenty values: standard deviation over the square root of their number.
-        let scatter = 0.3 * (20.0_f64 / 19.0).sqrt();
+        // The mean of twenty values: standard deviation over the square root of their number, and Student's factor.
+        let scatter = 0.3 * (20.0_f64 / 19.0).sqrt() * student(20.0) / NORMAL;
         assert!((disputed - scatter).abs() < 1e-12, "{disputed}");
         assert_eq!(agreed, 0.1);
+    }
+
+    #[test]
+    fn students_variable_as_tabulated() {
+        for (freedom, tabulated) in [(3.0, 3.182), (5.0, 2.571), (10.0, 2.228), (30.0, 2.042)] {
+            assert!(
+                (student(freedom) / tabulated - 1.0).abs() < 0.01,
+                "{freedom}"
+            );
+        }
+        assert!((student(1e9) - NORMAL).abs() < 1e-6);
     }
 
     #[test]
