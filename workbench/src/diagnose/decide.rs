@@ -328,6 +328,7 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
     tried
         .iter()
         .filter(|t| t.is_finalist && t.name != best.name && t.gain > 0.3 * best.gain)
+        .filter(|t| counts(data, t))
         .filter(|t| {
             let (shortfall, interval) =
                 gain(data, &t.fit.held_out_losses(data, &folds), &best_losses);

@@ -76,7 +76,7 @@ impl Entry {
         }
     }
 
-    /// Name of the number of an effect that has one, and its value where the effect is none.
+    /// Name of the number of an effect that has one, and its value where the effect is none, or no more than its limit.
     pub fn none_at(&self) -> Option<(String, f64)> {
         match self.form {
             Form::One {
@@ -89,6 +89,7 @@ impl Entry {
                 format!("{section}.{key}"),
                 if is_off_at_one(near) { scale } else { 0.0 },
             )),
+            Form::Stribeck => Some(("contact.omega_s".to_owned(), 0.0)),
             _ => None,
         }
     }
