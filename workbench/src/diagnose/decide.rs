@@ -300,14 +300,15 @@ pub fn diagnose(
 fn counts(data: &Data, tried: &Tried) -> bool {
     let number = entry(tried.name).and_then(super::catalogue::Entry::none_at);
     tried.is_material()
-        && number.is_none_or(|(name, none)| {
-            tried
-                .fit
-                .estimates(data)
-                .iter()
-                .find(|estimate| estimate.name == name)
-                .is_none_or(|found| (found.value - none).abs() > CERTAIN * found.deviation)
-        })
+        && number.is_none_or(|(name, none)| is_told_from(data, &tried.fit, &name, none))
+}
+
+/// Whether a fitted number is certain enough to tell it from `value`.
+fn is_told_from(data: &Data, fit: &Fit, name: &str, value: f64) -> bool {
+    fit.estimates(data)
+        .iter()
+        .find(|estimate| estimate.name == name)
+        .is_none_or(|found| (found.value - value).abs() > CERTAIN * found.deviation)
 }
 
 /// The estimates that belong to an effect: those of its own section, or the law's.
@@ -328,7 +329,6 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
     tried
         .iter()
         .filter(|t| t.is_finalist && t.name != best.name && t.gain > 0.3 * best.gain)
-        .filter(|t| counts(data, t))
         .filter(|t| {
             let (shortfall, interval) =
                 gain(data, &t.fit.held_out_losses(data, &folds), &best_losses);
@@ -338,13 +338,19 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
         .collect()
 }
 
-/// Of a law and its limit, which has fewer numbers, the limit, unless the law's further number gains `least` on top of it.
+/// Of a law and its limit, which has fewer numbers, the limit, unless the law's further number gains `least` on top of it and
+/// can be told from zero.
 fn simplest<'a>(data: &Data, best: &'a Tried, tried: &'a [Tried], least: f64) -> &'a Tried {
-    entry(best.name)
-        .and_then(super::catalogue::Entry::limit)
-        .and_then(|limit| tried.iter().find(|t| t.name == limit))
+    let Some((limit, number)) = entry(best.name).and_then(super::catalogue::Entry::limit) else {
+        return best;
+    };
+    tried
+        .iter()
+        .find(|t| t.name == limit)
         .filter(|limit| limit.is_finalist && counts(data, limit))
-        .filter(|limit| limit.gain > best.gain - least)
+        .filter(|limit| {
+            limit.gain > best.gain - least || !is_told_from(data, &best.fit, number, 0.0)
+        })
         .unwrap_or(best)
 }
 

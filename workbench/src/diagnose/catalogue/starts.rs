@@ -38,9 +38,9 @@ impl Entry {
         matches!(self.form, Form::Hysteresis)
     }
 
-    /// Name of the law of fewer numbers that this one becomes at the end of its range.
-    pub fn limit(&self) -> Option<&'static str> {
-        matches!(self.form, Form::Stribeck).then_some("stiction")
+    /// Name of the law of fewer numbers that this one becomes where a number of its own is zero, and that number.
+    pub fn limit(&self) -> Option<(&'static str, &'static str)> {
+        matches!(self.form, Form::Stribeck).then_some(("stiction", "contact.omega_s"))
     }
 
     /// Size of the fitted effect relative to one that is just worth naming: less changes the motion by less than real
@@ -76,7 +76,7 @@ impl Entry {
         }
     }
 
-    /// Name of the number of an effect that has one, and its value where the effect is none, or no more than its limit.
+    /// Name of the number of an effect that has one, and its value where the effect is none.
     pub fn none_at(&self) -> Option<(String, f64)> {
         match self.form {
             Form::One {
@@ -89,7 +89,6 @@ impl Entry {
                 format!("{section}.{key}"),
                 if is_off_at_one(near) { scale } else { 0.0 },
             )),
-            Form::Stribeck => Some(("contact.omega_s".to_owned(), 0.0)),
             _ => None,
         }
     }
