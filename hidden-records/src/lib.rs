@@ -10,6 +10,7 @@ pub mod case_files;
 pub mod effects;
 pub mod error;
 pub mod excitation;
+pub mod hidden_effect;
 pub mod instruments;
 pub mod law;
 pub mod plan;

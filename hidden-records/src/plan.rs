@@ -285,6 +285,18 @@ mod tests {
     }
 
     #[test]
+    fn laws_are_hidden_whole_unless_shares_are_asked_for() {
+        for kind in Kind::singles() {
+            let (whole, share) = (
+                law_share(&kind, SMALL_SIZE, false),
+                law_share(&kind, SMALL_SIZE, true),
+            );
+            assert_eq!(share, SMALL_SIZE);
+            assert_eq!(whole == (1.0, 1.0), kind.replaces_law(), "{}", kind.name);
+        }
+    }
+
+    #[test]
     fn wishes_keep_off_the_seeds_of_the_suites() {
         let wish = Wish {
             seed: 9_999,

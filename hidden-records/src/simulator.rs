@@ -3,7 +3,7 @@
 //! Positions drift half a step, velocities and current are kicked a whole step with the forces
 //! at mid-step, positions drift the other half. The current is trapezoidal in its own decay, the
 //! bristles are implicit. Current and speed of the motor, which answer within 2 ms, see each other at
-//! mid-step; half a step off, they would make the motor seem lighter by 0.3 %.
+//! mid-step; half a step off, they would make the motor seem lighter by 0.2 %.
 
 use crate::bristle::Bristle;
 use crate::effects::Effects;

@@ -60,7 +60,7 @@ fn eight_seconds_of_stick_slip_agree_with_the_committed_reference() {
     record.rows.pop();
     let rig = TrueRig {
         parameters: NOMINAL,
-        law: hidden_records::recipe::practice_law("stribeck").unwrap(),
+        law: hidden_records::hidden_effect::practice_law("stribeck").unwrap(),
         effects: Default::default(),
     };
     for difference in replay(&rig, &record, 400).unwrap() {

@@ -5,11 +5,12 @@
 use hidden_records::case_files::{make_cases, model_toml};
 use hidden_records::effects::Effects;
 use hidden_records::excitation::Excitation;
+use hidden_records::hidden_effect::practice_law;
 use hidden_records::instruments::{DISC_ENCODER_STEP, MOTOR_ENCODER_STEP, Noise, record_csv};
 use hidden_records::plan::{Group, PlannedCase, Suite, Wish};
 use hidden_records::practice::{read_answers, read_record};
 use hidden_records::random::{Purpose, Stream};
-use hidden_records::recipe::{Kind, practice_law};
+use hidden_records::recipe::Kind;
 use hidden_records::simulator::{Sample, State};
 use std::collections::BTreeSet;
 use std::fs;

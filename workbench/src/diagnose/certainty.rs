@@ -14,6 +14,10 @@ use super::window::Window;
 const STRETCH: f64 = 4.0;
 /// Fewest stretches whose scatter says how uncertain a number is.
 const LEAST_STRETCHES: usize = 8;
+/// Deviations within which a normal variable lies with 95 % probability.
+const NORMAL: f64 = 1.96;
+/// Least degrees of freedom for which [`student`] holds to a hundredth.
+const LEAST_FREEDOM: f64 = 3.0;
 
 impl Fit {
     /// The values of all free numbers with their deviations, which are NaN where the windows say nothing of them.
@@ -108,11 +112,6 @@ impl Freedom {
         self.sum[number].powi(2) / self.squares[number]
     }
 }
-
-/// Deviations within which a normal variable lies with 95 % probability.
-const NORMAL: f64 = 1.96;
-/// Least degrees of freedom for which [`student`] holds to a hundredth.
-const LEAST_FREEDOM: f64 = 3.0;
 
 /// Deviations within which Student's variable lies with 95 % probability (Abramowitz and Stegun 26.7.5).
 fn student(freedom: f64) -> f64 {
