@@ -159,6 +159,27 @@ impl Hypothesis {
         None
     }
 
+    /// Takes over the values of what is free in both, but for amplitudes with a phase.
+    pub fn take_over(&mut self, other: &Self) {
+        let mut at = 0;
+        for free in &self.free {
+            match free {
+                Free::Nominal { name, nominal, .. } => {
+                    if let Some(value) = other.value(name) {
+                        self.x[at] = value / nominal - 1.0;
+                    }
+                }
+                Free::Value { name, scale, .. } => {
+                    if let Some(value) = other.value(name) {
+                        self.x[at] = value / scale;
+                    }
+                }
+                Free::Polar { .. } => {}
+            }
+            at += free.width();
+        }
+    }
+
     /// What one step of a fit may change of each free number: not more than is within its range, nor so much that windows
     /// stick that did not, of which no derivative tells.
     pub fn step_ranges(&self) -> Vec<(f64, f64)> {
