@@ -339,7 +339,7 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
 }
 
 /// Of a law and its limit, which has fewer numbers, the limit, unless the law's further number gains `least` on top of it and
-/// can be told from zero.
+/// can be told from zero. Where the limit's own fit explains less than half as much, it has got stuck.
 fn simplest(data: &Data, best: &Tried, tried: &[Tried], least: f64) -> Tried {
     let Some((limit, number)) = entry(best.name).and_then(super::catalogue::Entry::limit) else {
         return best.clone();
@@ -348,7 +348,7 @@ fn simplest(data: &Data, best: &Tried, tried: &[Tried], least: f64) -> Tried {
         return best.clone();
     };
     let at_limit = !is_told_from(data, &best.fit, number, 0.0);
-    let limit = if at_limit {
+    let limit = if at_limit && limit.gain < 0.5 * best.gain {
         from_the_law(data, best, limit)
     } else {
         limit.clone()
