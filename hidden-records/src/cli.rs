@@ -124,6 +124,7 @@ fn plan(arguments: &MakeArguments) -> anyhow::Result<Vec<PlannedCase>> {
         (_, true, _) => Kind::outsiders(),
         (_, _, true) => vec![Kind::clean(Brake::On), Kind::clean(Brake::Off)],
         _ if arguments.kind.is_none() => Kind::singles(),
+        // What goes round by itself is of the practice records; laws in part are what --share-laws makes of those.
         _ => Kind::singles()
             .into_iter()
             .chain(

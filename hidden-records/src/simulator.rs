@@ -188,14 +188,19 @@ impl<'rig> Simulator<'rig> {
         } else {
             rig.shaft_damping
         };
-        let warm = if hidden.softening == 0.0 {
-            1.0
-        } else {
-            1.0 - hidden.softening * (1.0 - exp(-self.time / hidden.softening_tau))
-        };
+        let warm = self.left_when_warm(hidden.softening, hidden.softening_tau);
         rig.shaft_stiffness * warm * strained
             + hidden.k3 * twist * twist * twist
             + damping * (self.state.disc_speed - self.state.gearbox_speed)
+    }
+
+    /// What warming that takes `share` in the end has left by now.
+    fn left_when_warm(&self, share: f64, time_constant: f64) -> f64 {
+        if share == 0.0 {
+            1.0
+        } else {
+            1.0 - share * (1.0 - exp(-self.time / time_constant))
+        }
     }
 
     fn kick_motor(&mut self, voltage: f64, shaft: f64) {
@@ -218,7 +223,7 @@ impl<'rig> Simulator<'rig> {
 
         let middle_current = 0.5 * (before + self.state.current);
         let felt_current = middle_current.clamp(-hidden.saturation_i, hidden.saturation_i);
-        let warm = 1.0 - hidden.fading * (1.0 - exp(-self.time / hidden.fading_tau));
+        let warm = self.left_when_warm(hidden.fading, hidden.fading_tau);
         let mut motor_torque = rig.torque_constant * warm * felt_current
             - (rig.motor_viscous_damping + hidden.motor_visc) * ratio * middle_speed;
         if hidden.cog_T != 0.0 {

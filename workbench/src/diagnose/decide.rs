@@ -194,8 +194,8 @@ pub fn diagnose(
         if let Some(best) = &accepted {
             let further = LEAST_FURTHER_GAIN.max(least_gain);
             let simple = simplest(data, best, &tried, further);
-            let mut others = indistinguishable(data, &simple, &tried);
-            others.retain(|name| *name != best.name && *name != simple.name);
+            let mut others = indistinguishable(data, simple, &tried);
+            others.retain(|name| *name != best.name);
             rivals.push(others);
             gains.push(simple.gain);
             names.push(simple.name);
@@ -339,53 +339,19 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
 }
 
 /// Of a law and its limit, which has fewer numbers, the limit, unless the law's further number gains `least` on top of it and
-/// can be told from zero. Where the limit's own fit explains less than half as much, it has got stuck.
-fn simplest(data: &Data, best: &Tried, tried: &[Tried], least: f64) -> Tried {
+/// can be told from zero.
+fn simplest<'a>(data: &Data, best: &'a Tried, tried: &'a [Tried], least: f64) -> &'a Tried {
     let Some((limit, number)) = entry(best.name).and_then(super::catalogue::Entry::limit) else {
-        return best.clone();
+        return best;
     };
-    let Some(limit) = tried.iter().find(|t| t.name == limit && t.is_finalist) else {
-        return best.clone();
-    };
-    let at_limit = !is_told_from(data, &best.fit, number, 0.0);
-    let limit = if at_limit && limit.gain < 0.5 * best.gain {
-        from_the_law(data, best, limit)
-    } else {
-        limit.clone()
-    };
-    if counts(data, &limit) && (at_limit || limit.gain > best.gain - least) {
-        limit
-    } else {
-        best.clone()
-    }
-}
-
-/// The limit of a law fitted from the numbers and starts of the law, where that is better than its own fit.
-fn from_the_law(data: &Data, law: &Tried, limit: &Tried) -> Tried {
-    let mut hypothesis = limit.fit.hypothesis.clone();
-    hypothesis.take_over(&law.fit.hypothesis);
-    let anew = fit(
-        data,
-        hypothesis,
-        law.fit.starts.clone(),
-        25,
-        limit.fit.judging,
-    );
-    if anew.loss >= limit.fit.loss {
-        return limit.clone();
-    }
-    let folds = folds(data);
-    let (further, interval95) = gain(
-        data,
-        &limit.fit.held_out_losses(data, &folds),
-        &anew.held_out_losses(data, &folds),
-    );
-    Tried {
-        gain: limit.gain + further,
-        interval95: interval95.map(|bound| limit.gain + bound),
-        fit: anew,
-        ..limit.clone()
-    }
+    tried
+        .iter()
+        .find(|t| t.name == limit)
+        .filter(|limit| limit.is_finalist && counts(data, limit))
+        .filter(|limit| {
+            limit.gain > best.gain - least || !is_told_from(data, &best.fit, number, 0.0)
+        })
+        .unwrap_or(best)
 }
 
 /// Whether the effects other than that at `at` may explain without it what all do together: where there is one other, as

@@ -159,7 +159,7 @@ impl Hypothesis {
         None
     }
 
-    /// Takes over the values of what is free in both, but for amplitudes with a phase.
+    /// Takes over the values of what is free in both.
     pub fn take_over(&mut self, other: &Self) {
         let mut at = 0;
         for free in &self.free {
@@ -174,10 +174,20 @@ impl Hypothesis {
                         self.x[at] = value / scale;
                     }
                 }
-                Free::Polar { .. } => {}
+                Free::Polar { .. } => {
+                    if let Some(place) = other.place(free) {
+                        self.x[at..at + 2].copy_from_slice(&other.x[place..place + 2]);
+                    }
+                }
             }
             at += free.width();
         }
+    }
+
+    /// Where the numbers of `wanted` begin.
+    fn place(&self, wanted: &Free) -> Option<usize> {
+        let before = self.free.iter().position(|free| free == wanted)?;
+        Some(self.free[..before].iter().map(Free::width).sum())
     }
 
     /// What one step of a fit may change of each free number: not more than is within its range, nor so much that windows

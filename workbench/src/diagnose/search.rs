@@ -55,6 +55,8 @@ pub fn first_look(data: &Data, hypothesis: Hypothesis, base: &Fit, wrong: bool) 
     }
 }
 
+/// Share of a law's gain below which the fit of its limit may have got stuck.
+const STUCK: f64 = 0.5;
 /// Multiple of the size worth naming from which on an effect needs no more gain than any.
 const CONSIDERABLE: f64 = 3.0;
 /// Gain in ln likelihood that an effect of the size worth naming needs: the real ones have several times as much.
@@ -167,6 +169,9 @@ pub fn try_all(
         fit_laws_from_far(data, base, without, &mut whole, progress);
     }
     let mut tried = compared(data, base.clone(), whole, 1.0);
+    if let Some(freed) = limits_from_laws(data, &tried, progress) {
+        tried = compared(data, base.clone(), freed, 1.0);
+    }
     left.retain(|on_part| tried.iter().all(|fitted| fitted.name != on_part.name));
     tried.extend(left);
     tried.sort_by(|a, b| {
@@ -213,6 +218,42 @@ fn fit_laws_from_far(
             None => whole.push((law, fitted)),
         }
     }
+}
+
+/// The fits with that of a law's limit anew, from the numbers of the law, where its own gains so much less that it may have got
+/// stuck; `None` where none has.
+fn limits_from_laws(
+    data: &Data,
+    tried: &[Tried],
+    progress: &mut dyn FnMut(&str),
+) -> Option<Vec<(&'static Entry, Fit)>> {
+    let mut fits: Vec<(&'static Entry, Fit)> = tried
+        .iter()
+        .filter_map(|t| Some((entry(t.name)?, t.fit.clone())))
+        .collect();
+    let mut freed = false;
+    for law in tried {
+        let Some((limit, _)) = entry(law.name).and_then(Entry::limit) else {
+            continue;
+        };
+        let Some(at) = tried.iter().position(|t| t.name == limit) else {
+            continue;
+        };
+        let own = &tried[at];
+        if own.gain >= STUCK * law.gain {
+            continue;
+        }
+        progress(own.name);
+        let mut hypothesis = own.fit.hypothesis.clone();
+        hypothesis.take_over(&law.fit.hypothesis);
+        let starts = law.fit.starts.clone();
+        let anew = fit(data, hypothesis, starts, 25, own.fit.judging);
+        if anew.loss < own.fit.loss {
+            fits[at].1 = anew;
+            freed = true;
+        }
+    }
+    freed.then_some(fits)
 }
 
 /// The gain of each fit over `base` on the windows of `data`, times `scale`; every window starts for each of them where
