@@ -20,6 +20,8 @@ const LEAST_FURTHER_GAIN: f64 = 20.0;
 const LEAST_ROUGH_GAIN: f64 = 40.0;
 /// Share of a rival's shortfall that must be certain before the best is called better.
 const RIVAL_MARGIN: f64 = 4.0;
+/// Share of what an effect explains that it must still do where the rest of the model has been shown the way.
+const STILL_WANTED: f64 = 0.4;
 /// Standard deviations by which the size of an effect must differ from none.
 const CERTAIN: f64 = 2.0;
 /// Most effects that are added one after the other.
@@ -160,23 +162,6 @@ pub fn diagnose(
         let tried = try_all(data, &current, without, &mut |name| {
             progress(Progress::Trying { name, round })
         });
-        // An effect of no size that fits better has only shown the rest of the model the way.
-        let immaterial = tried
-            .iter()
-            .take_while(|t| t.is_finalist)
-            .find(|t| t.gain > LEAST_GAIN && !counts(data, t));
-        if let Some(guide) = immaterial
-            && guided < names.len() + 1
-            && let Some(better) = guide.fit.without_last_effect(data, &current)
-        {
-            guided = names.len() + 1;
-            looked = None;
-            if names.is_empty() {
-                base = better.clone();
-            }
-            current = better;
-            continue;
-        }
         let is_rough = current.disturbance.relative > LITTLE_ROUGHNESS;
         let least_gain = if is_rough {
             LEAST_ROUGH_GAIN
@@ -191,6 +176,33 @@ pub fn diagnose(
             .find(|t| counts(data, t))
             .filter(|best| best.gain > least_gain && best.interval95[0] > 0.0)
             .cloned();
+        // An effect of no size that fits better has only shown the rest of the model the way.
+        let immaterial = tried
+            .iter()
+            .take_while(|t| t.is_finalist)
+            .find(|t| t.gain > LEAST_GAIN && !counts(data, t));
+        if let Some(guide) = immaterial
+            && guided < names.len() + 1
+            && let Some(better) = guide.fit.without_last_effect(data, &current)
+        {
+            guided = names.len() + 1;
+            let still_wanted = accepted.as_ref().is_some_and(|best| {
+                let explained = current.loss - best.fit.loss;
+                better.loss - best.fit.loss > STILL_WANTED * explained
+            });
+            if names.is_empty() {
+                base = better.clone();
+            }
+            current = better;
+            if !still_wanted {
+                looked = (jumps(&current) && !names.is_empty())
+                    .then(|| Left::by(data, &current, gains.iter().sum()));
+                if looked.as_ref().is_some_and(|left| !left.counts) {
+                    break;
+                }
+                continue;
+            }
+        }
         if let Some(best) = &accepted {
             let further = LEAST_FURTHER_GAIN.max(least_gain);
             let simple = simplest(data, best, &tried, further);

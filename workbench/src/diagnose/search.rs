@@ -71,6 +71,8 @@ pub const WRONG: f64 = 1.1;
 const THINNING: usize = 3;
 /// Windows below which none are left out.
 const ENOUGH_WINDOWS: usize = 60;
+/// Short windows that are enough for a close look.
+const ENOUGH_SHORT_WINDOWS: usize = 150;
 /// Relative friction disturbance above which friction counts as fluctuating.
 pub const LITTLE_ROUGHNESS: f64 = 0.02;
 /// Loss above the best, on the thinned windows, by which a fit in progress is given up.
@@ -95,7 +97,9 @@ const SCAN_THINNING: usize = 3;
 const PROMISING: f64 = 2.0;
 /// Most effects that are fitted to all windows for that reason alone.
 const MOST_HOPEFUL: usize = 2;
-/// Candidates that are fitted to all windows although others are much better.
+/// Share of what the best explains that a candidate must explain to be fitted to all windows although others are much better.
+const CONSIDERABLE_SHARE: f64 = 0.1;
+/// Most such candidates.
 const FINALISTS: usize = 3;
 
 /// Fits the entries that make sense on top of `base`. Every start is looked at on a part of the
@@ -136,7 +140,8 @@ pub fn try_all(
         } else {
             rank < MOST_RIVALS && found.loss < best + RIVALS
         };
-        if gains && (rivals || !explained && rank < FINALISTS) {
+        let considerable = promised - found.loss > CONSIDERABLE_SHARE * (promised - best);
+        if gains && (rivals || !explained && rank < FINALISTS && considerable) {
             progress(entry.name);
             let look = first_look(data, found.hypothesis, base, wrong);
             let fitted = fit(data, look.hypothesis, look.starts, 25, base.judging);
@@ -206,6 +211,7 @@ fn fit_laws_from_far(
     let laws = CATALOGUE
         .iter()
         .filter(|entry| entry.is_law() && !entry.is_costly())
+        .filter(|entry| !entry.starts(&base.hypothesis, true).is_empty())
         .filter(|entry| !without.iter().any(|name| name == entry.name));
     for law in laws {
         progress(law.name);
@@ -503,7 +509,8 @@ pub fn fit_entry(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
 /// A part of the records cut into short windows, and `hypothesis` fitted to it.
 pub fn close_up(data: &Data, hypothesis: &Hypothesis) -> (Data, Fit) {
     let close = data.recut(SHORT);
-    let kept: Vec<usize> = (0..close.windows.len()).step_by(thinning(&close)).collect();
+    let every = thinning(&close).max(close.windows.len() / ENOUGH_SHORT_WINDOWS);
+    let kept: Vec<usize> = (0..close.windows.len()).step_by(every).collect();
     let close = close.part(&kept);
     let fitted = fit(
         &close,
