@@ -71,7 +71,7 @@ pub const WRONG: f64 = 1.1;
 const THINNING: usize = 3;
 /// Windows below which none are left out.
 const ENOUGH_WINDOWS: usize = 60;
-/// Short windows that are enough for a close look.
+/// Short windows that are enough under a law with branches, where every start is followed.
 const ENOUGH_SHORT_WINDOWS: usize = 150;
 /// Relative friction disturbance above which friction counts as fluctuating.
 pub const LITTLE_ROUGHNESS: f64 = 0.02;
@@ -509,7 +509,10 @@ pub fn fit_entry(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
 /// A part of the records cut into short windows, and `hypothesis` fitted to it.
 pub fn close_up(data: &Data, hypothesis: &Hypothesis) -> (Data, Fit) {
     let close = data.recut(SHORT);
-    let every = thinning(&close).max(close.windows.len() / ENOUGH_SHORT_WINDOWS);
+    let mut every = thinning(&close);
+    if hypothesis.rig.law.has_branches() {
+        every = every.max(close.windows.len() / ENOUGH_SHORT_WINDOWS);
+    }
     let kept: Vec<usize> = (0..close.windows.len()).step_by(every).collect();
     let close = close.part(&kept);
     let fitted = fit(
