@@ -174,7 +174,7 @@ pub fn diagnose(
             .iter()
             .filter(|t| t.is_finalist)
             .find(|t| counts(data, t))
-            .filter(|best| best.gain > least_gain && best.interval95[0] > 0.0)
+            .filter(|best| best.gains_surely(least_gain))
             .cloned();
         // An effect of no size that fits better has only shown the rest of the model the way.
         let immaterial = tried
@@ -342,9 +342,9 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
         .iter()
         .filter(|t| t.is_finalist && t.name != best.name && t.gain > 0.3 * best.gain)
         .filter(|t| {
-            let (shortfall, interval) =
-                gain(data, &t.fit.held_out_losses(data, &folds), &best_losses);
-            shortfall < RIVAL_MARGIN || interval[0] < 0.0 && shortfall < 3.0 * RIVAL_MARGIN
+            let shortfall = gain(data, &t.fit.held_out_losses(data, &folds), &best_losses);
+            shortfall.total < RIVAL_MARGIN
+                || shortfall.interval95[0] < 0.0 && shortfall.total < 3.0 * RIVAL_MARGIN
         })
         .map(|t| t.name)
         .collect()
@@ -405,8 +405,8 @@ fn drop_superfluous(
         let folds = folds(data);
         let superfluous = rest.filter(|fitted| {
             let losses = fitted.held_out_losses(data, &folds);
-            let (loss, interval) = gain(data, &losses, &current.held_out_losses(data, &folds));
-            loss < LEAST_GAIN || interval[0] < 0.0 && loss < 3.0 * LEAST_GAIN
+            let lost = gain(data, &losses, &current.held_out_losses(data, &folds));
+            lost.total < LEAST_GAIN || lost.interval95[0] < 0.0 && lost.total < 3.0 * LEAST_GAIN
         });
         match superfluous {
             Some(fitted) => {

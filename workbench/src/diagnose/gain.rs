@@ -19,9 +19,20 @@ pub fn folds(data: &Data) -> Vec<usize> {
     folds
 }
 
-/// Gain of `candidate` over `base` on windows not fitted to, with its 95 % interval. A window on which they differ by much
-/// more than on almost all others counts no more than those: one of the two has not found its start.
-pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
+/// What a fit gains over another.
+#[derive(Clone, Copy, Debug)]
+pub struct Gain {
+    /// Gain in ln likelihood.
+    pub total: f64,
+    /// Interval that covers it with 95 % probability, by resampling blocks of windows.
+    pub interval95: [f64; 2],
+    /// The same gain without the block that gains most.
+    pub without_best: f64,
+}
+
+/// Gain of `candidate` over `base` on windows not fitted to. A window on which they differ by much more than on almost all
+/// others counts no more than those: one of the two has not found its start.
+pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> Gain {
     // A window that one of the two could not run through says nothing about which is right.
     let mut differences: Vec<f64> = base
         .iter()
@@ -57,7 +68,12 @@ pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> (f64, [f64; 2]) {
         })
         .collect();
     resampled.sort_by(f64::total_cmp);
-    (total, [resampled[9], resampled[389]])
+    let best = blocks.iter().copied().fold(0.0, f64::max);
+    Gain {
+        total,
+        interval95: [resampled[9], resampled[389]],
+        without_best: total - best,
+    }
 }
 
 /// The size that almost all of the windows' differences keep to.

@@ -190,6 +190,15 @@ impl Hypothesis {
         Some(self.free[..before].iter().map(Free::width).sum())
     }
 
+    /// The lowest value of a number that may go down to `low`: nothing breaks away below what it slides at.
+    fn lowest(&self, name: &str, low: f64) -> f64 {
+        let sliding = (name == "contact.mu_s").then(|| {
+            self.value("contact.mu_c")
+                .or_else(|| self.rig.parameter("contact.mu_c"))
+        });
+        sliding.flatten().map_or(low, |sliding| low.max(sliding))
+    }
+
     /// What one step of a fit may change of each free number: not more than is within its range, nor so much that windows
     /// stick that did not, of which no derivative tells.
     pub fn step_ranges(&self) -> Vec<(f64, f64)> {
@@ -204,9 +213,12 @@ impl Hypothesis {
                     ranges.push(((-reach - x).clamp(-most, 0.0), (reach - x).clamp(0.0, most)));
                 }
                 Free::Value {
-                    scale, low, high, ..
+                    name,
+                    scale,
+                    low,
+                    high,
                 } => ranges.push((
-                    (low / scale - x).clamp(-1.0, 0.0),
+                    (self.lowest(name, *low) / scale - x).clamp(-1.0, 0.0),
                     (high / scale - x).clamp(0.0, 1.0),
                 )),
                 Free::Polar { .. } => ranges.extend([(-1.0, 1.0), (-1.0, 1.0)]),
@@ -219,16 +231,20 @@ impl Hypothesis {
     /// Moves the free numbers into what their ranges allow.
     pub fn clamp(&mut self) {
         let mut at = 0;
-        for free in &self.free {
-            match free {
+        for j in 0..self.free.len() {
+            match &self.free[j] {
                 Free::Nominal { deviation, .. } => {
                     let reach = (REACH * deviation).min(0.9);
                     self.x[at] = self.x[at].clamp(-reach, reach);
                 }
                 Free::Value {
-                    scale, low, high, ..
+                    name,
+                    scale,
+                    low,
+                    high,
                 } => {
-                    self.x[at] = self.x[at].clamp(low / scale, high / scale);
+                    let lowest = self.lowest(name, *low) / scale;
+                    self.x[at] = self.x[at].clamp(lowest, (high / scale).max(lowest));
                 }
                 Free::Polar { scale, high, .. } => {
                     let size = self.x[at].hypot(self.x[at + 1]);
@@ -239,7 +255,7 @@ impl Hypothesis {
                     }
                 }
             }
-            at += free.width();
+            at += self.free[j].width();
         }
     }
 

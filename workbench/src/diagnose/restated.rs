@@ -22,10 +22,10 @@ pub fn refitting_closes_a_gap(data: &Data, refitted: &Fit) -> bool {
     let mut stated = fit(data, as_stated, refitted.starts.clone(), STEPS, judging);
     stated.share_starts(data, refitted);
     let folds = folds(data);
-    let (gain, interval) = gain(
+    let gained = gain(
         data,
         &stated.held_out_losses(data, &folds),
         &refitted.held_out_losses(data, &folds),
     );
-    gain > LEAST_GAIN && interval[0] > 0.0
+    gained.total > LEAST_GAIN && gained.interval95[0] > 0.0
 }

@@ -20,11 +20,19 @@ pub struct Tried {
     pub gain: f64,
     /// Interval that covers the gain with 95 % probability, by resampling blocks of windows.
     pub interval95: [f64; 2],
+    /// The gain without the few windows in a row that gain most.
+    pub gain_without_best: f64,
     /// Whether it was fitted to all windows; the gain of the others is projected from a part.
     pub is_finalist: bool,
 }
 
 impl Tried {
+    /// Whether it gains more than `least`, and not by a few windows in a row alone. Sticking friction may show only where
+    /// runs begin: so few windows leave the interval open, but each run tells of it.
+    pub fn gains_surely(&self, least: f64) -> bool {
+        self.gain > least && (self.interval95[0] > 0.0 || self.gain_without_best > 2.0 * least)
+    }
+
     /// Whether the effect has a size that is worth naming; the smaller it is, the better records must show it.
     pub fn is_material(&self) -> bool {
         let size = entry(self.name).map_or(0.0, |entry| entry.relative_size(&self.fit.hypothesis));
@@ -169,10 +177,7 @@ pub fn try_all(
             left.push(hopeful);
         }
     }
-    let explained = whole.iter().any(|(_, fitted)| fitted.is_explained(data));
-    if !explained && base.disturbance.relative > LITTLE_ROUGHNESS {
-        fit_laws_from_far(data, base, without, &mut whole, progress);
-    }
+    fit_laws_from_far(data, base, without, &mut whole, progress);
     let mut tried = compared(data, base.clone(), whole, 1.0);
     if let Some(freed) = limits_from_laws(data, &tried, progress) {
         tried = compared(data, base.clone(), freed, 1.0);
@@ -199,8 +204,9 @@ fn better_from_short_windows(data: &Data, base: &Fit, entry: &Entry, fitted: Fit
     }
 }
 
-/// Adds fits of the laws of few numbers that do not go out from `base`. Where its friction fluctuates, the fluctuation may
-/// stand for the peaks of a law that it lacks, and small steps do not lead from one to the other.
+/// Adds fits of the laws of few numbers that do not go out from `base`, where small steps may not lead to them: where
+/// friction fluctuates, which may stand for the peaks of a law that the base lacks, and where a law's own fit leaves a few
+/// windows far off, in which the disc should stick or break away.
 fn fit_laws_from_far(
     data: &Data,
     base: &Fit,
@@ -208,9 +214,17 @@ fn fit_laws_from_far(
     whole: &mut Vec<(&'static Entry, Fit)>,
     progress: &mut dyn FnMut(&str),
 ) {
+    let explained = whole.iter().any(|(_, fitted)| fitted.is_explained(data));
+    let rough = !explained && base.disturbance.relative > LITTLE_ROUGHNESS;
+    let stuck: Vec<&str> = whole
+        .iter()
+        .filter(|(_, fitted)| fitted.misfit(data) > WRONG)
+        .map(|(entry, _)| entry.name)
+        .collect();
     let laws = CATALOGUE
         .iter()
         .filter(|entry| entry.is_law() && !entry.is_costly())
+        .filter(|entry| rough || stuck.contains(&entry.name))
         .filter(|entry| !entry.starts(&base.hypothesis, true).is_empty())
         .filter(|entry| !without.iter().any(|name| name == entry.name));
     for law in laws {
@@ -275,13 +289,13 @@ fn compared(data: &Data, base: Fit, fits: Vec<(&'static Entry, Fit)>, scale: f64
     let base_losses = base.held_out_losses(data, &folds);
     fits.into_iter()
         .map(|(entry, fitted)| {
-            let (gain, interval95) =
-                gain(data, &base_losses, &fitted.held_out_losses(data, &folds));
+            let gained = gain(data, &base_losses, &fitted.held_out_losses(data, &folds));
             Tried {
                 name: entry.name,
                 fit: fitted,
-                gain: scale * gain,
-                interval95: interval95.map(|bound| scale * bound),
+                gain: scale * gained.total,
+                interval95: gained.interval95.map(|bound| scale * bound),
+                gain_without_best: scale * gained.without_best,
                 is_finalist: true,
             }
         })
