@@ -342,7 +342,7 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
         .iter()
         .filter(|t| t.is_finalist && t.name != best.name && t.gain > 0.3 * best.gain)
         .filter(|t| {
-            let shortfall = gain(data, &t.fit.held_out_losses(data, &folds), &best_losses);
+            let shortfall = gain(&t.fit.held_out_losses(data, &folds), &best_losses);
             shortfall.total < RIVAL_MARGIN
                 || shortfall.interval95[0] < 0.0 && shortfall.total < 3.0 * RIVAL_MARGIN
         })
@@ -405,7 +405,7 @@ fn drop_superfluous(
         let folds = folds(data);
         let superfluous = rest.filter(|fitted| {
             let losses = fitted.held_out_losses(data, &folds);
-            let lost = gain(data, &losses, &current.held_out_losses(data, &folds));
+            let lost = gain(&losses, &current.held_out_losses(data, &folds));
             lost.total < LEAST_GAIN || lost.interval95[0] < 0.0 && lost.total < 3.0 * LEAST_GAIN
         });
         match superfluous {

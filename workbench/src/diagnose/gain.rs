@@ -32,7 +32,7 @@ pub struct Gain {
 
 /// Gain of `candidate` over `base` on windows not fitted to. A window on which they differ by much more than on almost all
 /// others counts no more than those: one of the two has not found its start.
-pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> Gain {
+pub fn gain(base: &[f64], candidate: &[f64]) -> Gain {
     // A window that one of the two could not run through says nothing about which is right.
     let mut differences: Vec<f64> = base
         .iter()
@@ -54,7 +54,7 @@ pub fn gain(data: &Data, base: &[f64], candidate: &[f64]) -> Gain {
         .map(|block| block.iter().sum())
         .collect();
     let total: f64 = blocks.iter().sum();
-    let mut state = 0x5DEE_CE66_D1CE_5EED_u64 ^ data.windows.len() as u64;
+    let mut state = 0x5DEE_CE66_D1CE_5EED_u64 ^ base.len() as u64;
     let mut resampled: Vec<f64> = (0..400)
         .map(|_| {
             (0..blocks.len())
@@ -82,4 +82,41 @@ fn usual_size(differences: &[f64]) -> f64 {
     sizes.sort_by(f64::total_cmp);
     let at = (USUAL_SHARE * sizes.len() as f64) as usize;
     sizes.get(at).copied().unwrap_or(0.0).max(LEAST_USUAL)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is gained where the candidate is better by `each` in the windows of `at`, of 160.
+    fn gained(at: &[usize], each: f64) -> Gain {
+        let base = vec![0.0; 160];
+        let mut candidate = base.clone();
+        for &j in at {
+            candidate[j] = -2.0 * each;
+        }
+        gain(&base, &candidate)
+    }
+
+    #[test]
+    fn one_window_alone_gains_nothing_for_sure() {
+        let one = gained(&[40], 500.0);
+        assert_eq!(one.total, LEAST_USUAL);
+        assert_eq!(one.interval95[0], 0.0);
+        assert_eq!(one.without_best, 0.0);
+    }
+
+    #[test]
+    fn the_starts_of_two_runs_gain_even_without_the_better_one() {
+        let starts = gained(&[40, 120], 15.0);
+        assert_eq!(starts.total, 30.0);
+        assert_eq!(starts.interval95[0], 0.0);
+        assert_eq!(starts.without_best, 15.0);
+    }
+
+    #[test]
+    fn windows_all_over_the_records_gain_for_sure() {
+        let all: Vec<usize> = (0..160).step_by(8).collect();
+        assert!(gained(&all, 2.0).interval95[0] > 0.0);
+    }
 }

@@ -144,3 +144,30 @@ fn push_value(h: &mut Hypothesis, key: &str, scale: f64, range: (f64, f64), valu
     });
     h.x.push(value / scale);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip::friction::Coulomb;
+    use stickslip::plant::ModelFile;
+
+    #[test]
+    fn no_start_and_no_step_breaks_away_below_sliding() {
+        let text = include_str!("../../../modelDescription/reduced-rig.toml");
+        let mut model = ModelFile::parse(text, "rig").unwrap();
+        model.rig.law = Law::Coulomb(Coulomb { mu_c: 0.13 });
+        let base = Hypothesis::base(&model);
+        for mut start in stiction(&base).into_iter().chain(stribeck(&base)) {
+            let sliding = start.value("contact.mu_c").unwrap();
+            let last = start.free.iter().position(
+                |free| matches!(free, Free::Value { name, .. } if name == "contact.mu_s"),
+            );
+            let at: usize = start.free[..last.unwrap()].iter().map(Free::width).sum();
+            let (lowest_step, _) = start.step_ranges()[at];
+            assert!((start.x[at] + lowest_step) * 0.1 > sliding - 1e-12);
+            start.x[at] = 0.0;
+            start.clamp();
+            assert!((start.value("contact.mu_s").unwrap() - sliding).abs() < 1e-12);
+        }
+    }
+}

@@ -23,7 +23,6 @@ pub fn refitting_closes_a_gap(data: &Data, refitted: &Fit) -> bool {
     stated.share_starts(data, refitted);
     let folds = folds(data);
     let gained = gain(
-        data,
         &stated.held_out_losses(data, &folds),
         &refitted.held_out_losses(data, &folds),
     );

@@ -289,7 +289,7 @@ fn compared(data: &Data, base: Fit, fits: Vec<(&'static Entry, Fit)>, scale: f64
     let base_losses = base.held_out_losses(data, &folds);
     fits.into_iter()
         .map(|(entry, fitted)| {
-            let gained = gain(data, &base_losses, &fitted.held_out_losses(data, &folds));
+            let gained = gain(&base_losses, &fitted.held_out_losses(data, &folds));
             Tried {
                 name: entry.name,
                 fit: fitted,

@@ -240,7 +240,7 @@ pub fn structures(data: &Data, fit: &Fit) -> Vec<Structure> {
             precisions.extend(std::iter::repeat_n(1.0, extra));
             x.extend(std::iter::repeat_n(0.0, extra));
             let losses = held_out_losses(&forms, &precisions, &x, &folds, Robust::JUDGING);
-            let gained = gain(data, &base, &losses);
+            let gained = gain(&base, &losses);
             Structure {
                 coordinate,
                 gain: gained.total,
