@@ -13,6 +13,8 @@ use stickslip::plant::RigState;
 const SOUND_SHARE: f64 = 0.97;
 /// Typical misfit per residual of a model that explains the records: those of right models are 0.92 to 0.95.
 const EXPLAINED: f64 = 0.98;
+/// Misfit per residual of a window in which the model goes another way than the records.
+const FAR_OFF: f64 = 3.0;
 /// Relative decrease of the loss below which a fit has converged.
 const CONVERGED: f64 = 1e-5;
 
@@ -372,7 +374,15 @@ impl Fit {
         square / residuals.max(1) as f64
     }
 
-    /// The same without the few worst windows, whose start may not have been found.
+    /// Whether the model goes another way than the records in some window.
+    pub fn has_a_window_far_off(&self, data: &Data) -> bool {
+        self.reduced(data)
+            .iter()
+            .flatten()
+            .any(|form| form.square > FAR_OFF * form.residuals as f64)
+    }
+
+    /// The misfit without the few worst windows, whose start may not have been found.
     pub fn typical_misfit(&self, data: &Data) -> f64 {
         let forms = self.reduced(data);
         let mut windows: Vec<&Reduced> = forms.iter().flatten().collect();

@@ -205,8 +205,8 @@ fn better_from_short_windows(data: &Data, base: &Fit, entry: &Entry, fitted: Fit
 }
 
 /// Adds fits of the laws of few numbers that do not go out from `base`, where small steps may not lead to them: where
-/// friction fluctuates, which may stand for the peaks of a law that the base lacks, and where a law's own fit leaves a few
-/// windows far off, in which the disc should stick or break away.
+/// friction fluctuates, which may stand for the peaks of a law that the base lacks, and where every fit leaves windows far
+/// off: in a few of them the disc may break away too early, and those may not be in the part that was looked at first.
 fn fit_laws_from_far(
     data: &Data,
     base: &Fit,
@@ -216,15 +216,14 @@ fn fit_laws_from_far(
 ) {
     let explained = whole.iter().any(|(_, fitted)| fitted.is_explained(data));
     let rough = !explained && base.disturbance.relative > LITTLE_ROUGHNESS;
-    let stuck: Vec<&str> = whole
-        .iter()
-        .filter(|(_, fitted)| fitted.misfit(data) > WRONG)
-        .map(|(entry, _)| entry.name)
-        .collect();
+    let far_off = base.has_a_window_far_off(data)
+        && whole
+            .iter()
+            .all(|(_, fitted)| fitted.has_a_window_far_off(data));
     let laws = CATALOGUE
         .iter()
         .filter(|entry| entry.is_law() && !entry.is_costly())
-        .filter(|entry| rough || stuck.contains(&entry.name))
+        .filter(|_| rough || far_off)
         .filter(|entry| !entry.starts(&base.hypothesis, true).is_empty())
         .filter(|entry| !without.iter().any(|name| name == entry.name));
     for law in laws {
