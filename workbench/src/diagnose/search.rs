@@ -179,7 +179,7 @@ pub fn try_all(
     }
     fit_laws_from_far(data, base, without, &mut whole, progress);
     let mut tried = compared(data, base.clone(), whole, 1.0);
-    if let Some(freed) = limits_from_laws(data, &tried, progress) {
+    if let Some(freed) = limits_from_laws(data, base, &tried, without, progress) {
         tried = compared(data, base.clone(), freed, 1.0);
     }
     left.retain(|on_part| tried.iter().all(|fitted| fitted.name != on_part.name));
@@ -239,11 +239,13 @@ fn fit_laws_from_far(
     }
 }
 
-/// The fits with that of a law's limit anew, from the numbers of the law, where its own gains so much less that it may have got
-/// stuck; `None` where none has.
+/// The fits with that of a law's limit anew, from the numbers of the law, where it has none or its own gains so much less that it
+/// may have got stuck; `None` where that finds nothing better.
 fn limits_from_laws(
     data: &Data,
+    base: &Fit,
     tried: &[Tried],
+    without: &[String],
     progress: &mut dyn FnMut(&str),
 ) -> Option<Vec<(&'static Entry, Fit)>> {
     let mut fits: Vec<(&'static Entry, Fit)> = tried
@@ -252,25 +254,28 @@ fn limits_from_laws(
         .collect();
     let mut freed = false;
     for law in tried {
-        let Some((limit, _)) = entry(law.name).and_then(Entry::limit) else {
+        let limit = entry(law.name).and_then(Entry::limit);
+        let Some(limit) = limit.and_then(|(name, _)| entry(name)) else {
             continue;
         };
-        let Some(at) = tried.iter().position(|t| t.name == limit) else {
-            continue;
-        };
-        let own = &tried[at];
-        if own.gain >= STUCK * law.gain {
+        let at = tried.iter().position(|t| t.name == limit.name);
+        let is_found = at.is_some_and(|at| tried[at].gain >= STUCK * law.gain);
+        if is_found || without.iter().any(|name| name == limit.name) {
             continue;
         }
-        progress(own.name);
-        let mut hypothesis = own.fit.hypothesis.clone();
+        let Some(mut hypothesis) = limit.starts(&base.hypothesis, true).into_iter().next() else {
+            continue;
+        };
+        progress(limit.name);
         hypothesis.take_over(&law.fit.hypothesis);
         let starts = law.fit.starts.clone();
-        let anew = fit(data, hypothesis, starts, 25, own.fit.judging);
-        if anew.loss < own.fit.loss {
-            fits[at].1 = anew;
-            freed = true;
+        let anew = fit(data, hypothesis, starts, 25, law.fit.judging);
+        match at {
+            Some(at) if anew.loss < fits[at].1.loss => fits[at].1 = anew,
+            None if anew.loss < base.loss => fits.push((limit, anew)),
+            _ => continue,
         }
+        freed = true;
     }
     freed.then_some(fits)
 }
