@@ -21,6 +21,7 @@ pub mod forced;
 pub mod gain;
 pub mod gram;
 pub mod hypothesis;
+mod law_fits;
 mod law_starts;
 mod left;
 pub mod load_cell;

@@ -1,0 +1,97 @@
+//! Friction laws whose fits small steps from the analyst's model do not reach.
+
+use super::catalogue::{CATALOGUE, Entry, entry};
+use super::data::Data;
+use super::fit::{Fit, fit};
+use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, fit_entry};
+
+/// Share of a law's gain below which the fit of its limit may have got stuck.
+const STUCK: f64 = 0.5;
+
+/// A law with many free numbers whose fit has got stuck is fitted once more, over short windows to the end: friction that
+/// fluctuates throws windows of the usual length from branch to branch until its numbers are nearly right.
+pub fn better_from_short_windows(data: &Data, base: &Fit, entry: &Entry, fitted: Fit) -> Fit {
+    if !entry.is_costly() || fitted.typical_misfit(data) < WRONG {
+        return fitted;
+    }
+    match fit_entry(data, base, entry) {
+        Some(anew) if anew.loss < fitted.loss => anew,
+        _ => fitted,
+    }
+}
+
+/// Adds fits of the laws of few numbers that do not go out from `base`, where small steps may not lead to them: where
+/// friction fluctuates, which may stand for the peaks of a law that the base lacks, and where every fit leaves windows far
+/// off: in a few of them the disc may break away too early, and those may not be in the part that was looked at first.
+pub fn fit_laws_from_far(
+    data: &Data,
+    base: &Fit,
+    without: &[String],
+    whole: &mut Vec<(&'static Entry, Fit)>,
+    progress: &mut dyn FnMut(&str),
+) {
+    let explained = whole.iter().any(|(_, fitted)| fitted.is_explained(data));
+    let rough = !explained && base.disturbance.relative > LITTLE_ROUGHNESS;
+    let far_off = base.has_a_window_far_off(data)
+        && whole
+            .iter()
+            .all(|(_, fitted)| fitted.has_a_window_far_off(data));
+    let laws = CATALOGUE
+        .iter()
+        .filter(|entry| entry.is_law() && !entry.is_costly())
+        .filter(|_| rough || far_off)
+        .filter(|entry| !entry.starts(&base.hypothesis, true).is_empty())
+        .filter(|entry| !without.iter().any(|name| name == entry.name));
+    for law in laws {
+        progress(law.name);
+        let Some(fitted) = fit_entry(data, base, law) else {
+            continue;
+        };
+        match whole.iter_mut().find(|(entry, _)| entry.name == law.name) {
+            Some((_, earlier)) if earlier.loss <= fitted.loss => {}
+            Some((_, earlier)) => *earlier = fitted,
+            None => whole.push((law, fitted)),
+        }
+    }
+}
+
+/// The fits with that of a law's limit anew, from the numbers of the law, where it has none or its own gains so much less that it
+/// may have got stuck; `None` where that finds nothing better.
+pub fn limits_from_laws(
+    data: &Data,
+    base: &Fit,
+    tried: &[Tried],
+    without: &[String],
+    progress: &mut dyn FnMut(&str),
+) -> Option<Vec<(&'static Entry, Fit)>> {
+    let mut fits: Vec<(&'static Entry, Fit)> = tried
+        .iter()
+        .filter_map(|t| Some((entry(t.name)?, t.fit.clone())))
+        .collect();
+    let mut freed = false;
+    for law in tried {
+        let limit = entry(law.name).and_then(Entry::limit);
+        let Some(limit) = limit.and_then(|(name, _)| entry(name)) else {
+            continue;
+        };
+        let at = tried.iter().position(|t| t.name == limit.name);
+        let is_found = at.is_some_and(|at| tried[at].gain >= STUCK * law.gain);
+        if is_found || without.iter().any(|name| name == limit.name) {
+            continue;
+        }
+        let Some(mut hypothesis) = limit.starts(&base.hypothesis, true).into_iter().next() else {
+            continue;
+        };
+        progress(limit.name);
+        hypothesis.take_over(&law.fit.hypothesis);
+        let starts = law.fit.starts.clone();
+        let anew = fit(data, hypothesis, starts, 25, law.fit.judging);
+        match at {
+            Some(at) if anew.loss < fits[at].1.loss => fits[at].1 = anew,
+            None if anew.loss < base.loss => fits.push((limit, anew)),
+            _ => continue,
+        }
+        freed = true;
+    }
+    freed.then_some(fits)
+}
