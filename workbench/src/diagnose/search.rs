@@ -106,6 +106,8 @@ const PROMISING: f64 = 2.0;
 const MOST_HOPEFUL: usize = 2;
 /// Share of what the best explains that a candidate must explain to be fitted to all windows although others are much better.
 const CONSIDERABLE_SHARE: f64 = 0.1;
+/// Multiple of the misfit that the best leaves beyond which a candidate cannot catch up.
+const CATCHES_UP: f64 = 3.0;
 /// Most such candidates.
 const FINALISTS: usize = 3;
 
@@ -140,6 +142,9 @@ pub fn try_all(
     let explained = explored
         .first()
         .is_some_and(|(_, fit)| fit.is_explained_but_rough(&part));
+    let least_misfit = explored
+        .first()
+        .map_or(f64::INFINITY, |(_, fit)| fit.typical_misfit(&part));
     for (rank, (entry, found)) in explored.into_iter().enumerate() {
         let gains = found.loss < promised - least_promise(base);
         let rivals = if wrong {
@@ -147,7 +152,8 @@ pub fn try_all(
         } else {
             rank < MOST_RIVALS && found.loss < best + RIVALS
         };
-        let considerable = promised - found.loss > CONSIDERABLE_SHARE * (promised - best);
+        let considerable = promised - found.loss > CONSIDERABLE_SHARE * (promised - best)
+            && found.typical_misfit(&part) < CATCHES_UP * least_misfit;
         if gains && (rivals || !explained && rank < FINALISTS && considerable) {
             progress(entry.name);
             let look = first_look(data, found.hypothesis, base, wrong);
