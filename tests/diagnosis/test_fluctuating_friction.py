@@ -22,14 +22,16 @@ def test_stiction_is_not_taken_for_it(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("kind", "effect", "seed"),
+    ("kind", "effect", "seed", "size"),
     [
-        ("stiction", "stiction", 51002),  # once not found, since the base is far off
-        ("normal_force_wobble_gauss", "normal_force_wobble", 51401),  # once flagged for what the right model leaves
+        ("stiction", "stiction", 51002, "full"),  # once not found, since the base is far off
+        ("stiction", "stiction", 94031, "full"),  # once not found, since only the starts of runs show it
+        ("friction_wear", "friction_wear", 94022, "0.5"),  # once flagged, since a few windows gain or lose much by chance
+        ("normal_force_wobble_gauss", "normal_force_wobble", 51401, "full"),  # once flagged for what the right model leaves
     ],
 )
-def test_what_else_is_named_under_it(tmp_path, kind, effect, seed):
-    case = diagnosed(tmp_path, effect, kind, seed, "--rough", "--size", "full")
+def test_what_else_is_named_under_it(tmp_path, kind, effect, seed, size):
+    case = diagnosed(tmp_path, effect, kind, seed, "--rough", "--size", size)
     finding = case.finding
     assert [found["name"] for found in finding["effects"]] == [effect], case.screen
     assert finding["verdict"] == "named" and finding["friction_fluctuation"] > 0.02

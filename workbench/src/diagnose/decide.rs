@@ -5,10 +5,11 @@ use super::data::Data;
 use super::fit::{Fit, fit};
 use super::gain::{folds, gain};
 use super::hypothesis::{Estimate, Hypothesis};
+use super::law_fits::fit_named;
 use super::left::{Left, jumps};
 use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
-use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, fit_entry, try_all};
+use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, try_all};
 use super::structure::{Structure, structures};
 
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all
@@ -170,11 +171,17 @@ pub fn diagnose(
         } else {
             LEAST_FURTHER_GAIN
         };
+        // What windows elsewhere gain is more than clean records ever do.
+        let elsewhere = if names.is_empty() {
+            LEAST_GAIN
+        } else {
+            2.0 * least_gain
+        };
         let accepted = tried
             .iter()
             .filter(|t| t.is_finalist)
             .find(|t| counts(data, t))
-            .filter(|best| best.gains_surely(least_gain))
+            .filter(|best| best.gains_surely(least_gain, elsewhere))
             .cloned();
         // An effect of no size that fits better has only shown the rest of the model the way.
         let immaterial = tried
@@ -422,7 +429,7 @@ fn drop_superfluous(
 
 /// The best fit of one named effect on top of `base`.
 pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
-    fit_entry(data, base, entry(name)?)
+    fit_named(data, base, entry(name)?)
 }
 
 /// Whether any nominal parameter moved by more than its stated uncertainty allows to overlook.

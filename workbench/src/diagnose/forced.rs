@@ -6,7 +6,7 @@ use super::data::Data;
 use super::decide::fit_base;
 use super::fit::Fit;
 use super::hypothesis::Hypothesis;
-use super::search::fit_entry;
+use super::law_fits::fit_named;
 use stickslip::plant::ModelFile;
 
 /// Fits the named effects one after the other on top of `model`, keeping each.
@@ -24,7 +24,7 @@ pub fn fit_effects(
     for name in names {
         let entry = entry(name).ok_or_else(|| AmendError::UnknownEffect(name.clone()))?;
         progress(entry.name);
-        best = fit_entry(data, &best, entry).ok_or_else(|| AmendError::NotApplicable {
+        best = fit_named(data, &best, entry).ok_or_else(|| AmendError::NotApplicable {
             effect: name.clone(),
             reason: NOT_APPLICABLE,
         })?;

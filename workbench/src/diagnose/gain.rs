@@ -10,11 +10,21 @@ const USUAL_SHARE: f64 = 0.97;
 /// Difference of ln likelihood that is usual whatever the others are.
 const LEAST_USUAL: f64 = 20.0;
 
-/// Folds of the windows: blocks in turn.
+/// Folds of the windows: blocks in turn, and runs begin with each in turn, since what shows only where runs begin must
+/// teach both halves.
 pub fn folds(data: &Data) -> Vec<usize> {
-    let mut folds = Vec::with_capacity(data.windows.len());
-    for j in 0..data.windows.len() {
-        folds.push((j / BLOCK) % 2);
+    folds_of_runs(data.windows.iter().map(|window| window.run))
+}
+
+/// The same for windows of these runs.
+fn folds_of_runs(runs: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut folds = Vec::new();
+    let (mut present, mut first) = (None, 0);
+    for (j, run) in runs.enumerate() {
+        if present != Some(run) {
+            (present, first) = (Some(run), j);
+        }
+        folds.push(((j - first) / BLOCK + run) % 2);
     }
     folds
 }
@@ -96,6 +106,16 @@ mod tests {
             candidate[j] = -2.0 * each;
         }
         gain(&base, &candidate)
+    }
+
+    #[test]
+    fn blocks_are_in_turn_and_so_are_the_starts_of_runs() {
+        let runs = [[0; 6], [1; 6], [2; 6]].concat();
+        let folds = folds_of_runs(runs.into_iter());
+        assert_eq!(
+            folds,
+            [0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 1, 1]
+        );
     }
 
     #[test]

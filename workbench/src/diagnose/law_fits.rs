@@ -55,6 +55,28 @@ pub fn fit_laws_from_far(
     }
 }
 
+/// The best fit of an effect that is known: that from short windows or, for the limit of a law, that from the law's numbers,
+/// since short windows may not hold what the limit adds.
+pub fn fit_named(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
+    let own = fit_entry(data, base, entry);
+    let from_law = CATALOGUE
+        .iter()
+        .find(|law| law.limit().is_some_and(|(name, _)| name == entry.name))
+        .and_then(|law| fit_entry(data, base, law))
+        .and_then(|law| limit_from_law(data, base, entry, &law));
+    match (own, from_law) {
+        (Some(own), Some(from_law)) if from_law.loss < own.loss => Some(from_law),
+        (own, _) => own,
+    }
+}
+
+/// The fit of a law's limit that goes out from the numbers of the law's fit; `None` where it makes no sense on top of `base`.
+fn limit_from_law(data: &Data, base: &Fit, limit: &Entry, law: &Fit) -> Option<Fit> {
+    let mut hypothesis = limit.starts(&base.hypothesis, true).into_iter().next()?;
+    hypothesis.take_over(&law.hypothesis);
+    Some(fit(data, hypothesis, law.starts.clone(), 25, law.judging))
+}
+
 /// The fits with that of a law's limit anew, from the numbers of the law, where it has none or its own gains so much less that it
 /// may have got stuck; `None` where that finds nothing better.
 pub fn limits_from_laws(
@@ -79,13 +101,10 @@ pub fn limits_from_laws(
         if is_found || without.iter().any(|name| name == limit.name) {
             continue;
         }
-        let Some(mut hypothesis) = limit.starts(&base.hypothesis, true).into_iter().next() else {
+        progress(limit.name);
+        let Some(anew) = limit_from_law(data, base, limit, &law.fit) else {
             continue;
         };
-        progress(limit.name);
-        hypothesis.take_over(&law.fit.hypothesis);
-        let starts = law.fit.starts.clone();
-        let anew = fit(data, hypothesis, starts, 25, law.fit.judging);
         match at {
             Some(at) if anew.loss < fits[at].1.loss => fits[at].1 = anew,
             None if anew.loss < base.loss => fits.push((limit, anew)),

@@ -28,10 +28,10 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// Whether it gains more than `least`, and not by a few windows in a row alone. Sticking friction may show only where
-    /// runs begin: so few windows leave the interval open, but each run tells of it.
-    pub fn gains_surely(&self, least: f64) -> bool {
-        self.gain > least && (self.interval95[0] > 0.0 || self.gain_without_best > 2.0 * least)
+    /// Whether it gains more than `least`, and not by a few windows in a row alone, without which it must gain `elsewhere`.
+    /// Sticking friction may show only where runs begin: so few windows leave the interval open, but each run tells of it.
+    pub fn gains_surely(&self, least: f64, elsewhere: f64) -> bool {
+        self.gain > least && (self.interval95[0] > 0.0 || self.gain_without_best > elsewhere)
     }
 
     /// Whether the effect has a size that is worth naming; the smaller it is, the better records must show it.
