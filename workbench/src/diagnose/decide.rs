@@ -171,7 +171,7 @@ pub fn diagnose(
         } else {
             LEAST_FURTHER_GAIN
         };
-        // What windows elsewhere gain is more than clean records ever do.
+        // Clean records never gain as much in all; on top of another effect, what that one leaves may.
         let elsewhere = if names.is_empty() {
             LEAST_GAIN
         } else {
