@@ -27,6 +27,10 @@ const STILL_WANTED: f64 = 0.4;
 const CERTAIN: f64 = 2.0;
 /// Most effects that are added one after the other.
 const MOST_EFFECTS: usize = 3;
+/// Effects that must have explained something together for another one to be looked for.
+const FIRST_EFFECTS: usize = 2;
+/// Share of the loss that they leave if they have not.
+const LITTLE_EXPLAINED: f64 = 0.9;
 
 /// What the records say about the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,7 +162,7 @@ pub fn diagnose(
     let mut names: Vec<&'static str> = Vec::new();
     let mut guided = 0;
     let mut looked: Option<Left> = None;
-    while names.len() < MOST_EFFECTS {
+    while names.len() < MOST_EFFECTS && !have_done_too_little(names.len(), &base, &current) {
         let round = names.len();
         let tried = try_all(data, &current, without, &mut |name| {
             progress(Progress::Trying { name, round })
@@ -219,6 +223,7 @@ pub fn diagnose(
             gains.push(simple.gain);
             names.push(simple.name);
             current = simple.fit.clone();
+            looked = None;
         }
         ranking.get_or_insert(tried);
         if accepted.is_none() || current.is_explained(data) && round > 0 {
@@ -312,6 +317,11 @@ pub fn diagnose(
         base,
         amended: current,
     }
+}
+
+/// Whether the first `added` effects leave nearly all that there was: a further one would stand in as they do.
+fn have_done_too_little(added: usize, base: &Fit, current: &Fit) -> bool {
+    added >= FIRST_EFFECTS && current.loss > LITTLE_EXPLAINED * base.loss
 }
 
 /// Whether an effect that was fitted to all windows is of a size worth naming, and this size is certain enough to tell it

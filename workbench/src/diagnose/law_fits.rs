@@ -8,15 +8,25 @@ use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, fit_entry};
 /// Share of a law's gain below which the fit of its limit may have got stuck.
 const STUCK: f64 = 0.5;
 
+/// Share by which the loss of a fit from short windows may be greater where neither explains the records: short windows
+/// lead to the numbers that are nearest although another effect is missing, with which that one is then found.
+const NEARLY_AS_GOOD: f64 = 0.05;
+
 /// A law with many free numbers whose fit has got stuck is fitted once more, over short windows to the end: friction that
 /// fluctuates throws windows of the usual length from branch to branch until its numbers are nearly right.
 pub fn better_from_short_windows(data: &Data, base: &Fit, entry: &Entry, fitted: Fit) -> Fit {
     if !entry.is_costly() || fitted.typical_misfit(data) < WRONG {
         return fitted;
     }
-    match fit_entry(data, base, entry) {
-        Some(anew) if anew.loss < fitted.loss => anew,
-        _ => fitted,
+    let Some(anew) = fit_entry(data, base, entry) else {
+        return fitted;
+    };
+    let nearer = anew.typical_misfit(data) < fitted.typical_misfit(data)
+        && anew.loss < (1.0 + NEARLY_AS_GOOD) * fitted.loss;
+    if nearer || anew.loss < fitted.loss {
+        anew
+    } else {
+        fitted
     }
 }
 

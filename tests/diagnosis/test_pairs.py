@@ -1,0 +1,20 @@
+"""The contact follows Eq. 6-2 and something else is missing too: both are named."""
+
+import pytest
+from conftest import diagnosed
+
+
+@pytest.mark.parametrize(
+    ("second", "seed"),
+    [
+        ("backlash", 98000),  # once flagged for what the law alone had left
+        ("friction_wear", 98002),  # once flagged, since the law's fit had settled where wear could not help
+    ],
+)
+def test_the_law_and_another_effect(tmp_path, second, seed):
+    law = "acceleration_hysteresis"
+    case = diagnosed(tmp_path, law, f"{law}_and_{second}", seed, "--pairs")
+    finding = case.finding
+    assert {found["name"] for found in finding["effects"]} == {law, second}, case.screen
+    assert finding["verdict"] == "named" and case.exit_code == 0
+    assert finding["gap"]["held_out"]["closed"] > 0.98
