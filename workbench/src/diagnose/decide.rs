@@ -5,7 +5,7 @@ use super::data::Data;
 use super::fit::{Fit, fit};
 use super::gain::{folds, gain};
 use super::hypothesis::{Estimate, Hypothesis};
-use super::law_fits::fit_named;
+use super::law_fits::{fit_named, with_costly_law_last};
 use super::left::{Left, jumps};
 use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
@@ -222,7 +222,7 @@ pub fn diagnose(
             rivals.push(others);
             gains.push(simple.gain);
             names.push(simple.name);
-            current = simple.fit.clone();
+            current = with_costly_law_last(data, &base, &names, simple.fit.clone());
             looked = None;
         }
         ranking.get_or_insert(tried);

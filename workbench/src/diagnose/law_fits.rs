@@ -80,6 +80,28 @@ pub fn fit_named(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
     }
 }
 
+/// `fitted`, or the fit of the same effects on top of `base` with a law of many free numbers fitted last if that is better:
+/// its numbers bend to make up for an effect that is not there yet, and small steps do not bend them back.
+pub fn with_costly_law_last(data: &Data, base: &Fit, names: &[&str], fitted: Fit) -> Fit {
+    let (laws, others): (Vec<&Entry>, Vec<&Entry>) = names
+        .iter()
+        .filter_map(|name| entry(name))
+        .partition(|entry| entry.is_costly());
+    if laws.is_empty() || others.is_empty() || fitted.typical_misfit(data) < WRONG {
+        return fitted;
+    }
+    let anew = others
+        .into_iter()
+        .chain(laws)
+        .try_fold(base.clone(), |on_top_of, entry| {
+            fit_named(data, &on_top_of, entry)
+        });
+    match anew {
+        Some(anew) if anew.loss < fitted.loss => anew,
+        _ => fitted,
+    }
+}
+
 /// The fit of a law's limit that goes out from the numbers of the law's fit; `None` where it makes no sense on top of `base`.
 fn limit_from_law(data: &Data, base: &Fit, limit: &Entry, law: &Fit) -> Option<Fit> {
     let mut hypothesis = limit.starts(&base.hypothesis, true).into_iter().next()?;
