@@ -423,7 +423,8 @@ fn drop_superfluous(
         let superfluous = rest.filter(|fitted| {
             let losses = fitted.held_out_losses(data, &folds);
             let lost = gain(&losses, &current.held_out_losses(data, &folds));
-            lost.total < LEAST_GAIN || lost.interval95[0] < 0.0 && lost.total < 3.0 * LEAST_GAIN
+            let by_chance = lost.total < 3.0 * LEAST_GAIN || lost.without_best < LEAST_GAIN;
+            lost.total < LEAST_GAIN || lost.interval95[0] < 0.0 && by_chance
         });
         match superfluous {
             Some(fitted) => {

@@ -87,7 +87,11 @@ pub fn with_costly_law_last(data: &Data, base: &Fit, names: &[&str], fitted: Fit
         .iter()
         .filter_map(|name| entry(name))
         .partition(|entry| entry.is_costly());
-    if laws.is_empty() || others.is_empty() || fitted.typical_misfit(data) < WRONG {
+    let is_last = names
+        .last()
+        .and_then(|name| entry(name))
+        .is_some_and(Entry::is_costly);
+    if laws.is_empty() || is_last || fitted.typical_misfit(data) < WRONG {
         return fitted;
     }
     let anew = others
