@@ -110,7 +110,7 @@ pub fn reduced(
     disturbance: &Disturbance,
 ) -> Vec<Option<Reduced>> {
     grams
-        .iter()
+        .par_iter()
         .zip(starts)
         .zip(&data.windows)
         .map(|((gram, start), window)| {

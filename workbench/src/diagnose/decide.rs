@@ -23,6 +23,9 @@ const LEAST_ROUGH_GAIN: f64 = 40.0;
 const RIVAL_MARGIN: f64 = 4.0;
 /// Share of what an effect explains that it must still do where the rest of the model has been shown the way.
 const STILL_WANTED: f64 = 0.4;
+/// Share by which an effect that leaves most windows explained may gain less than one that does not: a stand-in spreads its
+/// misfit over all windows, and a few that go astray under the right effect weigh as much.
+const ASTRAY: f64 = 0.1;
 /// Standard deviations by which the size of an effect must differ from none.
 const CERTAIN: f64 = 2.0;
 /// Most effects that are added one after the other.
@@ -186,6 +189,7 @@ pub fn diagnose(
             .filter(|t| t.is_finalist)
             .find(|t| counts(data, t))
             .filter(|best| best.gains_surely(least_gain, elsewhere))
+            .map(|best| least_astray(data, best, &tried))
             .cloned();
         // An effect of no size that fits better has only shown the rest of the model the way.
         let immaterial = tried
@@ -229,7 +233,9 @@ pub fn diagnose(
         if accepted.is_none() || current.is_explained(data) && round > 0 {
             break;
         }
-        looked = jumps(&current).then(|| Left::by(data, &current, gains.iter().sum()));
+        let nearly_all = names.len() >= FIRST_EFFECTS && current.typical_misfit(data) < WRONG;
+        looked =
+            (jumps(&current) || nearly_all).then(|| Left::by(data, &current, gains.iter().sum()));
         if looked.as_ref().is_some_and(|left| !left.counts) {
             break;
         }
@@ -351,6 +357,23 @@ fn belonging(name: &str, estimates: &[Estimate]) -> Vec<Estimate> {
         .collect()
 }
 
+/// Whether nothing is wrong with most windows.
+fn explains_most(data: &Data, tried: &Tried) -> bool {
+    tried.fit.typical_misfit(data) < WRONG
+}
+
+/// `best`, or where it leaves much of most windows one that does not and gains nearly as much.
+fn least_astray<'a>(data: &Data, best: &'a Tried, tried: &'a [Tried]) -> &'a Tried {
+    if explains_most(data, best) {
+        return best;
+    }
+    tried
+        .iter()
+        .filter(|t| t.is_finalist && t.gain > (1.0 - ASTRAY) * best.gain)
+        .find(|t| explains_most(data, t) && counts(data, t))
+        .unwrap_or(best)
+}
+
 /// Names whose shortfall behind the best is not certain.
 fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static str> {
     let folds = folds(data);
@@ -358,6 +381,7 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
     tried
         .iter()
         .filter(|t| t.is_finalist && t.name != best.name && t.gain > 0.3 * best.gain)
+        .filter(|t| explains_most(data, t) || !explains_most(data, best))
         .filter(|t| {
             let shortfall = gain(&t.fit.held_out_losses(data, &folds), &best_losses);
             shortfall.total < RIVAL_MARGIN

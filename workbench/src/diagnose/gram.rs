@@ -18,6 +18,8 @@ pub const FEW_SLOTS: usize = 21;
 pub const MANY_SLOTS: usize = 29;
 /// Most free numbers that a hypothesis may have.
 pub const MOST_FREE: usize = MANY_SLOTS - FIRST_FREE;
+/// Order of the Taylor polynomials of the motion.
+const ORDER: usize = 14;
 /// Most columns of a Gram matrix.
 const MOST_COLUMNS: usize = 128;
 
@@ -112,8 +114,8 @@ pub fn window_gram<const N: usize>(
     }
     let delay = rig.effects.sensor_delay.map_or(Dual::ZERO, |d| d.delay);
     let options = Options {
-        tolerance: 1e-7,
-        order: 14,
+        tolerance: 1e-6,
+        order: ORDER,
         ..Options::default()
     };
     let mut state: RigState<Dual<N>> = start.map(Dual::constant);
@@ -256,8 +258,8 @@ fn disc_reading<const N: usize>(
     let tau = when - simulation.segment_start();
     let series = stickslip::integrator::HybridSystem::states(simulation.system(), simulation.jet());
     Ok((
-        evaluate(&series[index::THETA][..15], tau),
-        evaluate(&series[index::OMEGA][..15], tau),
+        evaluate(&series[index::THETA][..=ORDER], tau),
+        evaluate(&series[index::OMEGA][..=ORDER], tau),
     ))
 }
 
@@ -341,7 +343,7 @@ fn place<const N: usize>(
     let tau = Dual::<N>::constant(time) - simulation.segment_start();
     let series = stickslip::integrator::HybridSystem::states(simulation.system(), simulation.jet());
     let acceleration =
-        stickslip::series::evaluate_derivative(&series[index::OMEGA][..15], tau).value;
+        stickslip::series::evaluate_derivative(&series[index::OMEGA][..=ORDER], tau).value;
     let friction = simulation.jet().friction_torque_at(tau.value).abs();
     let speed = state[index::OMEGA];
     let s = if speed < 0.0 { -1.0 } else { 1.0 };
