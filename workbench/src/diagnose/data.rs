@@ -22,6 +22,8 @@ pub struct Data {
     pub windows: Vec<Window>,
     /// Standard deviations of the channels.
     pub deviations: [f64; CHANNELS],
+    /// Standard deviation of the friction relative to itself beyond which it is not taken to fluctuate at all.
+    pub most_roughness: f64,
 }
 
 impl Data {
@@ -37,13 +39,25 @@ impl Data {
             cut,
             windows,
             deviations,
+            most_roughness: f64::INFINITY,
         }
     }
 
     /// The same records cut into windows of another length [s].
     pub fn recut(&self, length: f64) -> Self {
         let cut = Cut { length, ..self.cut };
-        Self::new(Arc::clone(&self.runs), cut, self.deviations)
+        Self {
+            most_roughness: self.most_roughness,
+            ..Self::new(Arc::clone(&self.runs), cut, self.deviations)
+        }
+    }
+
+    /// The same records where friction is not taken to fluctuate by more than `most_roughness` of itself.
+    pub fn with_roughness_up_to(&self, most_roughness: f64) -> Self {
+        Self {
+            most_roughness,
+            ..self.clone()
+        }
     }
 
     /// The starts of the windows as measured.
@@ -58,6 +72,7 @@ impl Data {
             cut: self.cut,
             windows: kept.iter().map(|&j| self.windows[j].clone()).collect(),
             deviations: self.deviations,
+            most_roughness: self.most_roughness,
         }
     }
 }

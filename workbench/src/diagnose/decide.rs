@@ -1,6 +1,7 @@
 //! From gains to a verdict.
 
 use super::catalogue::entry;
+use super::companions::companions;
 use super::data::Data;
 use super::fit::{Fit, fit};
 use super::gain::{folds, gain};
@@ -9,7 +10,7 @@ use super::law_fits::{fit_named, with_costly_law_last};
 use super::left::{Left, jumps};
 use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
-use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, try_all};
+use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, try_all, try_known};
 use super::structure::{Structure, structures};
 
 /// Gain in ln likelihood below which no effect is named: on clean records the best of all
@@ -25,7 +26,7 @@ const RIVAL_MARGIN: f64 = 4.0;
 const STILL_WANTED: f64 = 0.4;
 /// Share by which an effect that leaves most windows explained may gain less than one that does not: a stand-in spreads its
 /// misfit over all windows, and a few that go astray under the right effect weigh as much.
-const ASTRAY: f64 = 0.1;
+const ASTRAY: f64 = 0.2;
 /// Standard deviations by which the size of an effect must differ from none.
 const CERTAIN: f64 = 2.0;
 /// Most effects that are added one after the other.
@@ -167,9 +168,17 @@ pub fn diagnose(
     let mut looked: Option<Left> = None;
     while names.len() < MOST_EFFECTS && !have_done_too_little(names.len(), &base, &current) {
         let round = names.len();
-        let tried = try_all(data, &current, without, &mut |name| {
-            progress(Progress::Trying { name, round })
-        });
+        let mut trying = |name: &str| progress(Progress::Trying { name, round });
+        let beside_law = match (&names[..], &ranking) {
+            ([law], Some(ranking)) => companions(data, &base, law, &current, ranking, &mut trying),
+            _ => Vec::new(),
+        };
+        let beside: Vec<&str> = beside_law.iter().map(|(entry, _)| entry.name).collect();
+        let tried = if beside_law.iter().any(|(_, both)| both.is_explained(data)) {
+            try_known(data, &current, beside_law)
+        } else {
+            try_all(data, &current, without, beside_law, &mut trying)
+        };
         let is_rough = current.disturbance.relative > LITTLE_ROUGHNESS;
         let least_gain = if is_rough {
             LEAST_ROUGH_GAIN
@@ -226,7 +235,11 @@ pub fn diagnose(
             rivals.push(others);
             gains.push(simple.gain);
             names.push(simple.name);
-            current = with_costly_law_last(data, &base, &names, simple.fit.clone());
+            current = if beside.contains(&simple.name) {
+                simple.fit.clone()
+            } else {
+                with_costly_law_last(data, &base, &names, simple.fit.clone())
+            };
             looked = None;
         }
         ranking.get_or_insert(tried);
@@ -357,9 +370,9 @@ fn belonging(name: &str, estimates: &[Estimate]) -> Vec<Estimate> {
         .collect()
 }
 
-/// Whether nothing is wrong with most windows.
+/// Whether nothing is wrong with most windows although friction does not fluctuate.
 fn explains_most(data: &Data, tried: &Tried) -> bool {
-    tried.fit.typical_misfit(data) < WRONG
+    tried.fit.typical_misfit(data) < WRONG && tried.fit.disturbance.relative < LITTLE_ROUGHNESS
 }
 
 /// `best`, or where it leaves much of most windows one that does not and gains nearly as much.

@@ -38,7 +38,8 @@ pub struct Fit {
 }
 
 /// The relative friction disturbance that explains the windows best, with the loss that suits what is then left. Where
-/// no disturbance explains them there is none: it would only hide where the model is wrong.
+/// no disturbance explains them there is none: it would only hide where the model is wrong. Nor is there one beyond
+/// [`Data::most_roughness`].
 fn best_disturbance(
     data: &Data,
     starts: &[RigState<f64>],
@@ -63,7 +64,7 @@ fn best_disturbance(
             best = (loss, disturbance, robust);
         }
     }
-    if best.2.misses_something() {
+    if best.2.misses_something() || best.1.relative > data.most_roughness {
         (Disturbance::NONE, undisturbed)
     } else {
         (best.1, best.2)

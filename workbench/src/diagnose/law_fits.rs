@@ -3,7 +3,7 @@
 use super::catalogue::{CATALOGUE, Entry, entry};
 use super::data::Data;
 use super::fit::{Fit, fit};
-use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, fit_entry};
+use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, fit_entry, keep_better};
 
 /// Share of a law's gain below which the fit of its limit may have got stuck.
 const STUCK: f64 = 0.5;
@@ -57,11 +57,7 @@ pub fn fit_laws_from_far(
         let Some(fitted) = fit_entry(data, base, law) else {
             continue;
         };
-        match whole.iter_mut().find(|(entry, _)| entry.name == law.name) {
-            Some((_, earlier)) if earlier.loss <= fitted.loss => {}
-            Some((_, earlier)) => *earlier = fitted,
-            None => whole.push((law, fitted)),
-        }
+        keep_better(whole, law, fitted);
     }
 }
 

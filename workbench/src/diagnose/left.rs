@@ -14,7 +14,7 @@ const STRUCTURE_SHARE: f64 = 2e-4;
 /// Misfit per residual above which something is left whatever its structure.
 const MISFIT: f64 = 1.25;
 /// Relative friction disturbance above which it no longer passes for roughness.
-const ROUGHNESS: f64 = 0.06;
+pub const ROUGHNESS: f64 = 0.06;
 /// Multiple of the structure that the model itself leaves in a rehearsal beyond which structure counts.
 const CHANCE: f64 = 2.0;
 /// Multiple of that beyond which no further rehearsal can matter.

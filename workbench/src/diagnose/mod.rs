@@ -10,6 +10,7 @@ pub mod case;
 pub mod catalogue;
 mod certainty;
 pub mod command;
+mod companions;
 pub mod console;
 pub mod data;
 pub mod decide;

@@ -113,11 +113,13 @@ const FINALISTS: usize = 3;
 
 /// Fits the entries that make sense on top of `base`. Every start is looked at on a part of the
 /// windows, where exact derivatives tell what it promises; the promising are followed up there, and
-/// the best are fitted to all windows. `progress` is called with the entry's name before each fit.
+/// the best are fitted to all windows. Where there is a better fit of an entry in `known`, it is taken. `progress` is called
+/// with the entry's name before each fit.
 pub fn try_all(
     data: &Data,
     base: &Fit,
     without: &[String],
+    known: Vec<(&'static Entry, Fit)>,
     progress: &mut dyn FnMut(&str),
 ) -> Vec<Tried> {
     // Under a law with branches even a small effect moves windows to another branch, which small steps do not undo.
@@ -183,6 +185,9 @@ pub fn try_all(
         }
     }
     fit_laws_from_far(data, base, without, &mut whole, progress);
+    for (entry, fitted) in known {
+        keep_better(&mut whole, entry, fitted);
+    }
     let mut tried = compared(data, base.clone(), whole, 1.0);
     if let Some(freed) = limits_from_laws(data, base, &tried, without, progress) {
         tried = compared(data, base.clone(), freed, 1.0);
@@ -195,6 +200,22 @@ pub fn try_all(
             .unwrap_or(Ordering::Equal)
     });
     tried
+}
+
+/// What these fits of all windows gain over `base`, most first.
+pub fn try_known(data: &Data, base: &Fit, known: Vec<(&'static Entry, Fit)>) -> Vec<Tried> {
+    let mut tried = compared(data, base.clone(), known, 1.0);
+    tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    tried
+}
+
+/// Adds the fit of an entry, or puts it in the place of one that leaves more.
+pub fn keep_better(fits: &mut Vec<(&'static Entry, Fit)>, entry: &'static Entry, fitted: Fit) {
+    match fits.iter_mut().find(|(other, _)| other.name == entry.name) {
+        Some((_, earlier)) if earlier.loss <= fitted.loss => {}
+        Some((_, earlier)) => *earlier = fitted,
+        None => fits.push((entry, fitted)),
+    }
 }
 
 /// The gain of each fit over `base` on the windows of `data`, times `scale`; every window starts for each of them where
@@ -377,15 +398,7 @@ impl Exploration<'_> {
                 self.explained |= fitted.is_explained(self.part)
                     || self.wrong && fitted.is_explained_but_rough(self.part);
             }
-            match self
-                .found
-                .iter_mut()
-                .find(|(earlier, _)| earlier.name == entry.name)
-            {
-                Some((_, earlier)) if earlier.loss <= fitted.loss => {}
-                Some((_, earlier)) => *earlier = fitted,
-                None => self.found.push((entry, fitted)),
-            }
+            keep_better(&mut self.found, entry, fitted);
         }
     }
 }
