@@ -286,7 +286,8 @@ pub fn diagnose(
         }
     }
     let alternatives = rivals.first().cloned().unwrap_or_default();
-    let verdict = if left.counts {
+    let all_certain = names.iter().all(|name| is_certain(data, &current, name));
+    let verdict = if left.counts || !all_certain {
         Verdict::NotInCatalogue
     } else if names.is_empty() {
         if parameters_moved(&base) || refitting_closes_a_gap(data, &base) {
@@ -346,9 +347,16 @@ fn have_done_too_little(added: usize, base: &Fit, current: &Fit) -> bool {
 /// Whether an effect that was fitted to all windows is of a size worth naming, and this size is certain enough to tell it
 /// from none.
 fn counts(data: &Data, tried: &Tried) -> bool {
-    let number = entry(tried.name).and_then(super::catalogue::Entry::none_at);
-    tried.is_material()
-        && number.is_none_or(|(name, none)| is_told_from(data, &tried.fit, &name, none))
+    tried.is_material() && is_certain(data, &tried.fit, tried.name)
+}
+
+/// Whether the fitted size of an effect is certain enough to tell it from none.
+fn is_certain(data: &Data, fit: &Fit, name: &str) -> bool {
+    let sizes = entry(name).map_or_else(Vec::new, super::catalogue::Entry::sizes);
+    sizes.is_empty()
+        || sizes
+            .iter()
+            .any(|(name, none)| is_told_from(data, fit, name, *none))
 }
 
 /// Whether a fitted number is certain enough to tell it from `value`.

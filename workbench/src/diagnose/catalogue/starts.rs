@@ -76,8 +76,9 @@ impl Entry {
         }
     }
 
-    /// Name of the number of an effect that has one, and its value where the effect is none.
-    pub fn none_at(&self) -> Option<(String, f64)> {
+    /// Names of the numbers that say how large the effect is, each with its value where the effect is none: one of them must
+    /// be certain. Of bristles, stiction and Stribeck's law no number does.
+    pub fn sizes(&self) -> Vec<(String, f64)> {
         match self.form {
             Form::One {
                 section,
@@ -85,11 +86,18 @@ impl Entry {
                 scale,
                 near,
                 ..
-            } => Some((
+            } => vec![(
                 format!("{section}.{key}"),
                 if is_off_at_one(near) { scale } else { 0.0 },
-            )),
-            _ => None,
+            )],
+            Form::Polar {
+                section, amplitude, ..
+            } => vec![(format!("{section}.{amplitude}"), 0.0)],
+            Form::Relaxation => vec![("shaft_hysteresis.stiffness".to_owned(), 0.0)],
+            Form::Hysteresis => ["contact.a1", "contact.a2"]
+                .map(|peak| (peak.to_owned(), 0.0))
+                .to_vec(),
+            Form::Bristles | Form::Stiction | Form::Stribeck => Vec::new(),
         }
     }
 
