@@ -402,7 +402,7 @@ fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static
     tried
         .iter()
         .filter(|t| t.is_finalist && t.name != best.name && t.gain > 0.3 * best.gain)
-        .filter(|t| explains_most(data, t) || !explains_most(data, best))
+        .filter(|t| t.gain <= best.gain || explains_most(data, t))
         .filter(|t| {
             let shortfall = gain(&t.fit.held_out_losses(data, &folds), &best_losses);
             shortfall.total < RIVAL_MARGIN
