@@ -24,8 +24,8 @@ const LEAST_ROUGH_GAIN: f64 = 40.0;
 const RIVAL_MARGIN: f64 = 4.0;
 /// Share of what an effect explains that it must still do where the rest of the model has been shown the way.
 const STILL_WANTED: f64 = 0.4;
-/// Share by which an effect that leaves most windows explained may gain less than one that does not: a stand-in spreads its
-/// misfit over all windows, and a few that go astray under the right effect weigh as much.
+/// Share by which an effect on top of others that leaves most windows explained may gain less than one that does not: a
+/// stand-in spreads its misfit over all windows, and a few that go astray under the right effect weigh as much.
 const ASTRAY: f64 = 0.2;
 /// Standard deviations by which the size of an effect must differ from none.
 const CERTAIN: f64 = 2.0;
@@ -198,7 +198,13 @@ pub fn diagnose(
             .filter(|t| t.is_finalist)
             .find(|t| counts(data, t))
             .filter(|best| best.gains_surely(least_gain, elsewhere))
-            .map(|best| least_astray(data, best, &tried))
+            .map(|best| {
+                if names.is_empty() {
+                    best
+                } else {
+                    least_astray(data, best, &tried)
+                }
+            })
             .cloned();
         // An effect of no size that fits better has only shown the rest of the model the way.
         let immaterial = tried
