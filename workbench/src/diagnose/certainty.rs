@@ -2,6 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::catalogue::{Entry, entry};
 use super::data::Data;
 use super::fit::Fit;
 use super::hypothesis::Estimate;
@@ -14,6 +15,8 @@ use super::window::Window;
 const STRETCH: f64 = 4.0;
 /// Fewest stretches whose scatter says how uncertain a number is.
 const LEAST_STRETCHES: usize = 8;
+/// Standard deviations by which a number must differ from a value to be told from it.
+const CERTAIN: f64 = 2.0;
 /// Deviations within which a normal variable lies with 95 % probability.
 const NORMAL: f64 = 1.96;
 /// Least degrees of freedom for which [`student`] holds to a hundredth.
@@ -31,6 +34,23 @@ impl Fit {
         let covariance = self.covariance(data);
         self.hypothesis
             .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]))
+    }
+
+    /// Whether the size of the effect of this name is certain enough to tell it from none.
+    pub fn is_certain_of(&self, data: &Data, effect: &str) -> bool {
+        let sizes = entry(effect).map_or_else(Vec::new, Entry::sizes);
+        sizes.is_empty()
+            || sizes
+                .iter()
+                .any(|(name, none)| self.tells_from(data, name, *none))
+    }
+
+    /// Whether the number of this name is certain enough to tell it from `value`.
+    pub fn tells_from(&self, data: &Data, name: &str, value: f64) -> bool {
+        self.estimates(data)
+            .iter()
+            .find(|estimate| estimate.name == name)
+            .is_none_or(|found| (found.value - value).abs() > CERTAIN * found.deviation)
     }
 
     fn covariance(&self, data: &Data) -> Option<DMatrix<f64>> {

@@ -1,6 +1,6 @@
 //! From gains to a verdict.
 
-use super::catalogue::entry;
+use super::catalogue::{Entry, entry};
 use super::companions::companions;
 use super::data::Data;
 use super::fit::{Fit, fit};
@@ -9,6 +9,7 @@ use super::hypothesis::{Estimate, Hypothesis};
 use super::law_fits::{fit_named, with_costly_law_last};
 use super::left::{Left, jumps};
 use super::restated::refitting_closes_a_gap;
+use super::rivals::{counts, indistinguishable, least_astray, simplest};
 use super::robust::Robust;
 use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, try_all, try_known};
 use super::structure::{Structure, structures};
@@ -20,15 +21,8 @@ const LEAST_GAIN: f64 = 10.0;
 const LEAST_FURTHER_GAIN: f64 = 20.0;
 /// The same where friction fluctuates: a few windows in which it happens to be high or low gain half as much.
 const LEAST_ROUGH_GAIN: f64 = 40.0;
-/// Share of a rival's shortfall that must be certain before the best is called better.
-const RIVAL_MARGIN: f64 = 4.0;
 /// Share of what an effect explains that it must still do where the rest of the model has been shown the way.
 const STILL_WANTED: f64 = 0.4;
-/// Share by which an effect on top of others that leaves most windows explained may gain less than one that does not: a
-/// stand-in spreads its misfit over all windows, and a few that go astray under the right effect weigh as much.
-const ASTRAY: f64 = 0.2;
-/// Standard deviations by which the size of an effect must differ from none.
-const CERTAIN: f64 = 2.0;
 /// Most effects that are added one after the other.
 const MOST_EFFECTS: usize = 3;
 /// Effects that must have explained something together for another one to be looked for.
@@ -166,18 +160,16 @@ pub fn diagnose(
     let mut names: Vec<&'static str> = Vec::new();
     let mut guided = 0;
     let mut looked: Option<Left> = None;
+    let mut beside_law: Vec<(&'static Entry, Fit)> = Vec::new();
     while names.len() < MOST_EFFECTS && !have_done_too_little(names.len(), &base, &current) {
         let round = names.len();
-        let mut trying = |name: &str| progress(Progress::Trying { name, round });
-        let beside_law = match (&names[..], &ranking) {
-            ([law], Some(ranking)) => companions(data, &base, law, &current, ranking, &mut trying),
-            _ => Vec::new(),
-        };
         let beside: Vec<&str> = beside_law.iter().map(|(entry, _)| entry.name).collect();
         let tried = if beside_law.iter().any(|(_, both)| both.is_explained(data)) {
-            try_known(data, &current, beside_law)
+            try_known(data, &current, beside_law.clone())
         } else {
-            try_all(data, &current, without, beside_law, &mut trying)
+            try_all(data, &current, without, beside_law.clone(), &mut |name| {
+                progress(Progress::Trying { name, round })
+            })
         };
         let is_rough = current.disturbance.relative > LITTLE_ROUGHNESS;
         let least_gain = if is_rough {
@@ -198,12 +190,9 @@ pub fn diagnose(
             .filter(|t| t.is_finalist)
             .find(|t| counts(data, t))
             .filter(|best| best.gains_surely(least_gain, elsewhere))
-            .map(|best| {
-                if names.is_empty() {
-                    best
-                } else {
-                    least_astray(data, best, &tried)
-                }
+            .map(|best| match round {
+                0 => best,
+                _ => least_astray(data, best, &tried),
             })
             .cloned();
         // An effect of no size that fits better has only shown the rest of the model the way.
@@ -248,7 +237,7 @@ pub fn diagnose(
             };
             looked = None;
         }
-        ranking.get_or_insert(tried);
+        let ranking = ranking.get_or_insert(tried);
         if accepted.is_none() || current.is_explained(data) && round > 0 {
             break;
         }
@@ -258,6 +247,12 @@ pub fn diagnose(
         if looked.as_ref().is_some_and(|left| !left.counts) {
             break;
         }
+        beside_law = match names[..] {
+            [law] => companions(data, &base, law, &current, ranking, &mut |name| {
+                progress(Progress::Trying { name, round: 1 })
+            }),
+            _ => Vec::new(),
+        };
     }
     let added = names.len();
     drop_superfluous(
@@ -292,7 +287,7 @@ pub fn diagnose(
         }
     }
     let alternatives = rivals.first().cloned().unwrap_or_default();
-    let all_certain = names.iter().all(|name| is_certain(data, &current, name));
+    let all_certain = names.iter().all(|name| current.is_certain_of(data, name));
     let verdict = if left.counts || !all_certain {
         Verdict::NotInCatalogue
     } else if names.is_empty() {
@@ -350,88 +345,15 @@ fn have_done_too_little(added: usize, base: &Fit, current: &Fit) -> bool {
     added >= FIRST_EFFECTS && current.loss > LITTLE_EXPLAINED * base.loss
 }
 
-/// Whether an effect that was fitted to all windows is of a size worth naming, and this size is certain enough to tell it
-/// from none.
-fn counts(data: &Data, tried: &Tried) -> bool {
-    tried.is_material() && is_certain(data, &tried.fit, tried.name)
-}
-
-/// Whether the fitted size of an effect is certain enough to tell it from none.
-fn is_certain(data: &Data, fit: &Fit, name: &str) -> bool {
-    let sizes = entry(name).map_or_else(Vec::new, super::catalogue::Entry::sizes);
-    sizes.is_empty()
-        || sizes
-            .iter()
-            .any(|(name, none)| is_told_from(data, fit, name, *none))
-}
-
-/// Whether a fitted number is certain enough to tell it from `value`.
-fn is_told_from(data: &Data, fit: &Fit, name: &str, value: f64) -> bool {
-    fit.estimates(data)
-        .iter()
-        .find(|estimate| estimate.name == name)
-        .is_none_or(|found| (found.value - value).abs() > CERTAIN * found.deviation)
-}
-
 /// The estimates that belong to an effect: those of its own section, or the law's.
 fn belonging(name: &str, estimates: &[Estimate]) -> Vec<Estimate> {
-    let is_law = entry(name).is_some_and(super::catalogue::Entry::is_law);
+    let is_law = entry(name).is_some_and(Entry::is_law);
     let section = if is_law { "contact." } else { name };
     estimates
         .iter()
         .filter(|e| e.name.starts_with(section))
         .cloned()
         .collect()
-}
-
-/// Whether nothing is wrong with most windows although friction does not fluctuate.
-fn explains_most(data: &Data, tried: &Tried) -> bool {
-    tried.fit.typical_misfit(data) < WRONG && tried.fit.disturbance.relative < LITTLE_ROUGHNESS
-}
-
-/// `best`, or where it leaves much of most windows one that does not and gains nearly as much.
-fn least_astray<'a>(data: &Data, best: &'a Tried, tried: &'a [Tried]) -> &'a Tried {
-    if explains_most(data, best) {
-        return best;
-    }
-    tried
-        .iter()
-        .filter(|t| t.is_finalist && t.gain > (1.0 - ASTRAY) * best.gain)
-        .find(|t| explains_most(data, t) && counts(data, t))
-        .unwrap_or(best)
-}
-
-/// Names whose shortfall behind the best is not certain.
-fn indistinguishable(data: &Data, best: &Tried, tried: &[Tried]) -> Vec<&'static str> {
-    let folds = folds(data);
-    let best_losses = best.fit.held_out_losses(data, &folds);
-    tried
-        .iter()
-        .filter(|t| t.is_finalist && t.name != best.name && t.gain > 0.3 * best.gain)
-        .filter(|t| t.gain <= best.gain || explains_most(data, t))
-        .filter(|t| {
-            let shortfall = gain(&t.fit.held_out_losses(data, &folds), &best_losses);
-            shortfall.total < RIVAL_MARGIN
-                || shortfall.interval95[0] < 0.0 && shortfall.total < 3.0 * RIVAL_MARGIN
-        })
-        .map(|t| t.name)
-        .collect()
-}
-
-/// Of a law and its limit, which has fewer numbers, the limit, unless the law's further number gains `least` on top of it and
-/// can be told from zero.
-fn simplest<'a>(data: &Data, best: &'a Tried, tried: &'a [Tried], least: f64) -> &'a Tried {
-    let Some((limit, number)) = entry(best.name).and_then(super::catalogue::Entry::limit) else {
-        return best;
-    };
-    tried
-        .iter()
-        .find(|t| t.name == limit)
-        .filter(|limit| limit.is_finalist && counts(data, limit))
-        .filter(|limit| {
-            limit.gain > best.gain - least || !is_told_from(data, &best.fit, number, 0.0)
-        })
-        .unwrap_or(best)
 }
 
 /// Whether the effects other than that at `at` may explain without it what all do together: where there is one other, as

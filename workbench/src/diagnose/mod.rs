@@ -38,6 +38,7 @@ pub mod report;
 pub mod residual_torque;
 pub mod restart;
 mod restated;
+mod rivals;
 pub mod robust;
 pub mod run;
 pub mod score;
