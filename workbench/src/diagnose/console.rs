@@ -55,7 +55,10 @@ pub fn answer(finding: &Finding) -> Vec<String> {
             for effect in &finding.effects {
                 lines.push(format!("Added on the way: {}.", described(effect)));
             }
-            if let Some(place) = finding.structure.first() {
+            if finding.effects.is_empty() && finding.gap.is_some() {
+                lines.push("The amended model has other nominal parameters only.".to_owned());
+            }
+            if let Some(place) = finding.structure.iter().find(|place| place.significant) {
                 lines.push(format!(
                     "What is left is structured over the {} ({} equation).",
                     readable(&place.coordinate),

@@ -1,0 +1,17 @@
+"""What is hidden is in no catalogue: nothing is named, and the screen says so."""
+
+import pytest
+from conftest import diagnosed
+
+
+@pytest.mark.parametrize(
+    ("kind", "seed"),
+    [
+        ("outside_friction_bump", 106002),  # once named Eq. 6-2, with peaks of no certain height
+        ("outside_encoder_eccentricity", 106009),  # once named unbalance with shaft hysteresis, both of no certain size
+    ],
+)
+def test_an_effect_that_no_catalogue_has_is_not_given_a_name(tmp_path, kind, seed):
+    case = diagnosed(tmp_path, kind, kind, seed, "--outside")
+    assert case.finding["verdict"] == "not_in_catalogue", case.screen
+    assert case.finding["effects"] == [] and case.exit_code == 1
