@@ -45,6 +45,15 @@ impl Fit {
                 .any(|(name, none)| self.tells_from(data, name, *none))
     }
 
+    /// Whether that holds and nothing that makes the effect what it is may be zero.
+    pub fn is_wholly_certain_of(&self, data: &Data, effect: &str) -> bool {
+        let essentials = entry(effect).map_or(&[][..], Entry::essentials);
+        self.is_certain_of(data, effect)
+            && essentials
+                .iter()
+                .all(|name| self.tells_from(data, name, 0.0))
+    }
+
     /// Whether the number of this name is certain enough to tell it from `value`.
     pub fn tells_from(&self, data: &Data, name: &str, value: f64) -> bool {
         self.estimates(data)

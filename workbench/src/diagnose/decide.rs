@@ -287,7 +287,9 @@ pub fn diagnose(
         }
     }
     let alternatives = rivals.first().cloned().unwrap_or_default();
-    let all_certain = names.iter().all(|name| current.is_certain_of(data, name));
+    let all_certain = names
+        .iter()
+        .all(|name| current.is_wholly_certain_of(data, name));
     let verdict = if left.counts || !all_certain {
         Verdict::NotInCatalogue
     } else if names.is_empty() {

@@ -101,6 +101,15 @@ impl Entry {
         }
     }
 
+    /// Dotted names of the numbers all of which must differ from zero: a peak of no certain height or width is an offset,
+    /// which other laws have too.
+    pub fn essentials(&self) -> &'static [&'static str] {
+        match self.form {
+            Form::Hysteresis => &["contact.a1", "contact.a2", "contact.c1", "contact.c2"],
+            _ => &[],
+        }
+    }
+
     /// Whether the effect cannot grow from nothing in small steps, so that a poor start says little.
     pub fn is_nonlinear(&self) -> bool {
         match self.form {
