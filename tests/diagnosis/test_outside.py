@@ -8,6 +8,8 @@ from conftest import diagnosed
     ("kind", "seed"),
     [
         ("outside_friction_bump", 106002),  # once named Eq. 6-2, with peaks of no certain height
+        ("outside_friction_bump", 136016),  # the same with one peak certain, and one that was an offset
+        ("outside_torque_saturation", 136005),  # once refused: the drive was too weak to turn, and u thought to be in mV
         ("outside_encoder_eccentricity", 106009),  # once named unbalance with shaft hysteresis, both of no certain size
     ],
 )

@@ -83,6 +83,12 @@ pub fn answer(finding: &Finding) -> Vec<String> {
                 number(errors.noise_floor)
             ),
         });
+        if finding.verdict != VerdictName::NotInCatalogue && !finding.is_settled() {
+            lines.push(
+                "That leaves more of the held-out record than noise does: it may show what the others do not."
+                    .to_owned(),
+            );
+        }
     }
     lines
 }
@@ -240,6 +246,21 @@ pub fn percent(share: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::finding::tests::finding;
+
+    #[test]
+    fn a_held_out_record_that_stays_unexplained_is_said_to_be() {
+        let warning = |closed| {
+            let mut finding = finding();
+            if let Some(gap) = &mut finding.gap {
+                gap.through_fmu.fmi3.closed = Some(closed);
+            }
+            answer(&finding)
+                .concat()
+                .contains("held-out record than noise")
+        };
+        assert!(warning(-0.17) && !warning(0.99));
+    }
 
     #[test]
     fn numbers_keep_the_digits_that_matter() {

@@ -4,20 +4,18 @@ use super::catalogue::{Entry, entry};
 use super::companions::companions;
 use super::data::Data;
 use super::fit::{Fit, fit};
-use super::gain::{folds, gain};
+use super::gain::LEAST_GAIN;
 use super::hypothesis::{Estimate, Hypothesis};
-use super::law_fits::{fit_named, with_costly_law_last};
+use super::law_fits::with_costly_law_last;
 use super::left::{Left, jumps};
 use super::restated::refitting_closes_a_gap;
 use super::rivals::{counts, indistinguishable, least_astray, simplest};
 use super::robust::Robust;
 use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, try_all, try_known};
 use super::structure::{Structure, structures};
+use super::superfluous::drop_superfluous;
 
-/// Gain in ln likelihood below which no effect is named: on clean records the best of all
-/// candidates stays below it.
-const LEAST_GAIN: f64 = 10.0;
-/// The same for an effect on top of others.
+/// The same as [`LEAST_GAIN`] for an effect on top of others.
 const LEAST_FURTHER_GAIN: f64 = 20.0;
 /// The same where friction fluctuates: a few windows in which it happens to be high or low gain half as much.
 const LEAST_ROUGH_GAIN: f64 = 40.0;
@@ -29,6 +27,8 @@ const MOST_EFFECTS: usize = 3;
 const FIRST_EFFECTS: usize = 2;
 /// Share of the loss that they leave if they have not.
 const LITTLE_EXPLAINED: f64 = 0.9;
+/// Share of the most that an effect gained from which on another one may have been the one to begin with.
+const NEARLY_FIRST: f64 = 0.9;
 
 /// What the records say about the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,6 +104,8 @@ pub enum Progress<'a> {
     },
     /// It is being looked for structure in what is left.
     Locating,
+    /// Nothing explains the records, and this effect may be a stand-in: all is tried once more without it.
+    Without(&'a str),
 }
 
 /// Steps after which it is known whether the analyst's model is far from explaining the records.
@@ -143,6 +145,9 @@ pub fn fit_base(data: &Data, hypothesis: Hypothesis) -> Fit {
 }
 
 /// Finds what is missing in `hypothesis`; effects named in `without` are not considered.
+///
+/// Where nothing explains the records and another effect did nearly as much on top of the analyst's model as the one that did
+/// most, that may have been a stand-in: what is found without it then counts if it explains them.
 pub fn diagnose(
     data: &Data,
     hypothesis: Hypothesis,
@@ -150,9 +155,36 @@ pub fn diagnose(
     progress: &mut dyn FnMut(Progress<'_>),
 ) -> Diagnosis {
     progress(Progress::Base);
-    let mut base = fit_base(data, hypothesis);
+    let base = fit_base(data, hypothesis);
     progress(Progress::Locating);
     let structure = structures(data, &base);
+    let (found, stand_in) = explain(data, &base, &structure, without, progress);
+    let Some(stand_in) = stand_in else {
+        return found;
+    };
+    progress(Progress::Without(stand_in));
+    let mut without = without.to_vec();
+    without.push(stand_in.to_owned());
+    let (other, _) = explain(data, &base, &structure, &without, progress);
+    match other.verdict {
+        Verdict::Named | Verdict::Ambiguous => Diagnosis {
+            ranking: found.ranking,
+            ..other
+        },
+        _ => found,
+    }
+}
+
+/// What `base`, fitted to the records, needs to explain them, and where that has not been found the effect that did most on
+/// top of `base` although another one did nearly as much.
+fn explain(
+    data: &Data,
+    base: &Fit,
+    structure: &[Structure],
+    without: &[String],
+    progress: &mut dyn FnMut(Progress<'_>),
+) -> (Diagnosis, Option<&'static str>) {
+    let mut base = base.clone();
     let mut current = base.clone();
     let mut ranking: Option<Vec<Tried>> = None;
     let mut rivals: Vec<Vec<&'static str>> = Vec::new();
@@ -268,7 +300,7 @@ pub fn diagnose(
     let explained: f64 = gains.iter().sum();
     let mut left = match looked.filter(|_| names.len() == added) {
         Some(left) => left,
-        None if names.is_empty() => Left::among(data, &current, structure.clone(), explained),
+        None if names.is_empty() => Left::among(data, &current, structure.to_vec(), explained),
         None => Left::by(data, &current, explained),
     };
     // Of effects that the gains cannot tell apart, one that leaves nothing is better than one that leaves structure.
@@ -316,6 +348,10 @@ pub fn diagnose(
             estimates: belonging(name, &added),
         })
         .collect();
+    let stand_in = ranking
+        .as_deref()
+        .filter(|_| verdict == Verdict::NotInCatalogue)
+        .and_then(first_by_little);
     let ranking = ranking
         .unwrap_or_default()
         .iter()
@@ -325,7 +361,7 @@ pub fn diagnose(
             interval95: t.interval95,
         })
         .collect();
-    Diagnosis {
+    let diagnosis = Diagnosis {
         verdict,
         effects: if verdict == Verdict::NotInCatalogue {
             Vec::new()
@@ -334,12 +370,20 @@ pub fn diagnose(
         },
         alternatives,
         ranking,
-        structure,
+        structure: structure.to_vec(),
         structure_left: left.structures,
         nominal,
         base,
         amended: current,
-    }
+    };
+    (diagnosis, stand_in)
+}
+
+/// What gained most on top of the analyst's model, if another effect gained nearly as much.
+fn first_by_little(ranking: &[Tried]) -> Option<&'static str> {
+    let (best, others) = ranking.split_first()?;
+    let by_little = others.iter().any(|t| t.gain > NEARLY_FIRST * best.gain);
+    (best.gain > LEAST_GAIN && by_little).then_some(best.name)
 }
 
 /// Whether the first `added` effects leave nearly all that there was: a further one would stand in as they do.
@@ -356,66 +400,6 @@ fn belonging(name: &str, estimates: &[Estimate]) -> Vec<Estimate> {
         .filter(|e| e.name.starts_with(section))
         .cloned()
         .collect()
-}
-
-/// Whether the effects other than that at `at` may explain without it what all do together: where there is one other, as
-/// far as its gain on top of the analyst's model tells.
-fn others_do_much(at: usize, names: &[&'static str], gains: &[f64], ranking: &[Tried]) -> bool {
-    let total: f64 = gains.iter().sum();
-    let alone = |name: &&str| ranking.iter().find(|t| t.name == *name);
-    let mut others = names.iter().enumerate().filter(|(j, _)| *j != at);
-    match (others.next(), others.next()) {
-        (Some((_, other)), None) => alone(other).is_none_or(|t| t.gain > 0.5 * total),
-        _ => true,
-    }
-}
-
-/// Takes away effects that the others make superfluous.
-fn drop_superfluous(
-    data: &Data,
-    base: &Fit,
-    current: &mut Fit,
-    names: &mut Vec<&'static str>,
-    gains: &mut Vec<f64>,
-    rivals: &mut Vec<Vec<&'static str>>,
-    ranking: &[Tried],
-) {
-    let mut at = 0;
-    // The last has been judged on top of all others.
-    while at + 1 < names.len() {
-        if !others_do_much(at, names, gains, ranking) {
-            at += 1;
-            continue;
-        }
-        let mut rest: Option<Fit> = Some(base.clone());
-        for (j, name) in names.iter().enumerate() {
-            if j == at {
-                continue;
-            }
-            rest = rest.and_then(|fitted| refit_with(data, &fitted, name));
-        }
-        let folds = folds(data);
-        let superfluous = rest.filter(|fitted| {
-            let losses = fitted.held_out_losses(data, &folds);
-            let lost = gain(&losses, &current.held_out_losses(data, &folds));
-            let by_chance = lost.total < 3.0 * LEAST_GAIN || lost.without_best < LEAST_GAIN;
-            lost.total < LEAST_GAIN || lost.interval95[0] < 0.0 && by_chance
-        });
-        match superfluous {
-            Some(fitted) => {
-                *current = fitted;
-                names.remove(at);
-                gains.remove(at);
-                rivals.remove(at);
-            }
-            None => at += 1,
-        }
-    }
-}
-
-/// The best fit of one named effect on top of `base`.
-pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
-    fit_named(data, base, entry(name)?)
 }
 
 /// Whether any nominal parameter moved by more than its stated uncertainty allows to overlook.

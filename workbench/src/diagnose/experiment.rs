@@ -267,7 +267,8 @@ mod tests {
 
     use stickslip::plant::ModelFile;
 
-    use crate::diagnose::decide::{fit_base, refit_with};
+    use crate::diagnose::decide::fit_base;
+    use crate::diagnose::law_fits::refit_with;
     use crate::diagnose::run::CHANNELS;
 
     fn data(run: Run, rig: &Rig<f64>, sensors: &Sensors) -> Data {

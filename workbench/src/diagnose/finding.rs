@@ -298,10 +298,10 @@ impl WindowError {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn finding() -> Finding {
+    pub(in super::super) fn finding() -> Finding {
         let errors = WindowError {
             before: 5.0,
             after: 1.1,

@@ -3,6 +3,8 @@
 use super::data::Data;
 use super::losses::FAILED;
 
+/// Gain in ln likelihood below which no effect is named: on clean records the best of all candidates stays below it.
+pub const LEAST_GAIN: f64 = 10.0;
 /// Windows in a row that share a fold: what half of the blocks teach is judged on the other half.
 const BLOCK: usize = 4;
 /// Share of the windows that differ by no more than is usual.

@@ -76,6 +76,11 @@ pub fn fit_named(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
     }
 }
 
+/// The best fit of one named effect on top of `base`.
+pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
+    fit_named(data, base, entry(name)?)
+}
+
 /// `fitted`, or the fit of the same effects on top of `base` with a law of many free numbers fitted last if that is better:
 /// its numbers bend to make up for an effect that is not there yet, and small steps do not bend them back.
 pub fn with_costly_law_last(data: &Data, base: &Fit, names: &[&str], fitted: Fit) -> Fit {

@@ -47,4 +47,5 @@ pub mod sensors;
 pub mod show;
 pub mod small_plant;
 pub mod structure;
+mod superfluous;
 pub mod window;

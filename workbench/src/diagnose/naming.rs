@@ -5,11 +5,12 @@ use stickslip::plant::Rig;
 use super::amend::{found_effects, refitted};
 use super::case::Case;
 use super::data::Data;
-use super::decide::{Diagnosis, Progress, Verdict, diagnose, fit_base, refit_with};
+use super::decide::{Diagnosis, Progress, Verdict, diagnose, fit_base};
 use super::experiment::propose;
 use super::finding::{Experiment, Finding, Ranked, VerdictName};
 use super::fit::Fit;
 use super::hypothesis::Hypothesis;
+use super::law_fits::refit_with;
 use super::located::located;
 use super::structure::structures;
 use crate::files::record::Record;
@@ -61,6 +62,7 @@ fn describe(progress: &Progress<'_>) -> String {
         Progress::Trying { name, round: 0 } => format!("trying {name}"),
         Progress::Trying { name, round } => format!("trying {name} as effect {}", round + 1),
         Progress::Locating => "looking for structure".to_owned(),
+        Progress::Without(name) => format!("that does not explain it; once more without {name}"),
     }
 }
 

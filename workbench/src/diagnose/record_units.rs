@@ -121,12 +121,13 @@ fn check_speed(file: &str, stretches: &[Stretch], rig: &Rig<f64>) -> Result<(), 
     }
     let possible = voltage / (rig.gearbox.ratio * rig.motor.back_emf_constant);
     let share = found / possible;
-    // A loaded motor turns more slowly than its back-EMF allows, never much faster; a blocked one is no matter of units.
+    // A loaded motor turns more slowly than its back-EMF allows, never much faster: also at a thousandth of the voltage, if
+    // that were meant.
     let guess = if share > 300.0 {
         "is u in kV, or are the angles in degrees and u in another unit? They must be V and rad"
     } else if share > 3.0 {
         "are all angles in degrees, or is u a share of the supply voltage? They must be in rad and rad/s, u in V"
-    } else if share < 0.005 {
+    } else if share < 0.0013 {
         "is u in mV? It must be in V"
     } else {
         return Ok(());
