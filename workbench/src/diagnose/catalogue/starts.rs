@@ -77,7 +77,7 @@ impl Entry {
     }
 
     /// Names of the numbers that say how large the effect is, each with its value where the effect is none: one of them must
-    /// be certain. Of bristles, stiction and Stribeck's law no number does.
+    /// be certain. Of stiction and Stribeck's law no number does.
     pub fn sizes(&self) -> Vec<(String, f64)> {
         match self.form {
             Form::One {
@@ -97,7 +97,9 @@ impl Entry {
             Form::Hysteresis => ["contact.a1", "contact.a2"]
                 .map(|peak| (peak.to_owned(), 0.0))
                 .to_vec(),
-            Form::Bristles | Form::Stiction | Form::Stribeck => Vec::new(),
+            // None is an infinite stiffness: what it gives way by is as certain, relative to itself, as the stiffness is.
+            Form::Bristles => vec![("presliding.stiffness".to_owned(), 0.0)],
+            Form::Stiction | Form::Stribeck => Vec::new(),
         }
     }
 
