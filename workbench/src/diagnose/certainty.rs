@@ -45,11 +45,17 @@ impl Fit {
                 .any(|(name, none)| self.tells_from(data, name, *none))
     }
 
-    /// Whether that holds and nothing that makes the effect what it is may be zero.
+    /// Whether that holds, nothing that makes the effect what it is may be zero, and none of its numbers would leave its range
+    /// if it could.
     pub fn is_wholly_certain_of(&self, data: &Data, effect: &str) -> bool {
-        let essentials = entry(effect).map_or(&[][..], Entry::essentials);
-        self.is_certain_of(data, effect)
-            && essentials
+        let Some(entry) = entry(effect) else {
+            return false;
+        };
+        let is_within = !self.hypothesis.has_reached_an_end(entry.prefix());
+        is_within
+            && self.is_certain_of(data, effect)
+            && entry
+                .essentials()
                 .iter()
                 .all(|name| self.tells_from(data, name, 0.0))
     }

@@ -393,11 +393,10 @@ fn have_done_too_little(added: usize, base: &Fit, current: &Fit) -> bool {
 
 /// The estimates that belong to an effect: those of its own section, or the law's.
 fn belonging(name: &str, estimates: &[Estimate]) -> Vec<Estimate> {
-    let is_law = entry(name).is_some_and(Entry::is_law);
-    let section = if is_law { "contact." } else { name };
+    let prefix = entry(name).map_or(name, |entry| entry.prefix());
     estimates
         .iter()
-        .filter(|e| e.name.starts_with(section))
+        .filter(|e| e.name.starts_with(prefix))
         .cloned()
         .collect()
 }

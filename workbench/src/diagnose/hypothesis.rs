@@ -65,6 +65,8 @@ pub struct Hypothesis {
     pub x: Vec<f64>,
 }
 
+/// Distance from the end of its range, over its scale, within which a number has reached it.
+const END: f64 = 1e-9;
 /// How far a nominal parameter may move, in standard deviations of what is known of it.
 const REACH: f64 = 12.0;
 
@@ -226,6 +228,28 @@ impl Hypothesis {
             at += free.width();
         }
         ranges
+    }
+
+    /// Whether a number whose dotted name begins with `prefix` is where its range ends, so that its best value is none that it
+    /// may have.
+    pub fn has_reached_an_end(&self, prefix: &str) -> bool {
+        let mut at = 0;
+        self.free.iter().any(|free| {
+            let x = self.x[at];
+            at += free.width();
+            match free {
+                Free::Value {
+                    name,
+                    scale,
+                    low,
+                    high,
+                } if name.starts_with(prefix) => {
+                    let is_at = |end: f64| (x - end / scale).abs() < END;
+                    is_at(self.lowest(name, *low)) || is_at(*high)
+                }
+                _ => false,
+            }
+        })
     }
 
     /// Moves the free numbers into what their ranges allow.

@@ -33,6 +33,11 @@ impl Entry {
         )
     }
 
+    /// What the dotted names of its numbers begin with: its own section, or the law's.
+    pub fn prefix(&self) -> &'static str {
+        if self.is_law() { "contact." } else { self.name }
+    }
+
     /// Whether it takes many starts with many free numbers to fit the effect.
     pub fn is_costly(&self) -> bool {
         matches!(self.form, Form::Hysteresis)
