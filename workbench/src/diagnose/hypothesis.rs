@@ -401,3 +401,32 @@ pub struct Estimate {
     /// Whether it is a nominal parameter, not one of an added effect.
     pub is_nominal: bool,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_effects_own_numbers_reach_an_end() {
+        let text = include_str!("../../../modelDescription/reduced-rig.toml");
+        let model = ModelFile::parse(text, "rig").unwrap();
+        let mut hypothesis = Hypothesis::base(&model);
+        hypothesis.free.push(Free::Value {
+            name: "shaft_hysteresis.relaxation_time".to_owned(),
+            scale: 0.7,
+            low: 0.01,
+            high: 3.0,
+        });
+        for (beyond, reached) in [(-1.0, true), (0.5, false), (9.0, true)] {
+            let mut fitted = hypothesis.clone();
+            fitted.x.push(beyond);
+            fitted.clamp();
+            assert_eq!(
+                fitted.has_reached_an_end("shaft_hysteresis"),
+                reached,
+                "{beyond}"
+            );
+            assert!(!fitted.has_reached_an_end("unbalance"));
+        }
+    }
+}
