@@ -1,32 +1,16 @@
 //! From gains to a verdict.
 
-use super::catalogue::{Entry, entry};
-use super::companions::companions;
+use super::catalogue::entry;
 use super::data::Data;
 use super::fit::{Fit, fit};
 use super::gain::LEAST_GAIN;
 use super::hypothesis::{Estimate, Hypothesis};
-use super::law_fits::with_costly_law_last;
-use super::left::{Left, jumps};
 use super::restated::refitting_closes_a_gap;
-use super::rivals::{counts, indistinguishable, least_astray, simplest};
 use super::robust::Robust;
-use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up, try_all, try_known};
+use super::rounds::Rounds;
+use super::search::{Tried, WRONG, close_up};
 use super::structure::{Structure, structures};
-use super::superfluous::drop_superfluous;
 
-/// The same as [`LEAST_GAIN`] for an effect on top of others.
-const LEAST_FURTHER_GAIN: f64 = 20.0;
-/// The same where friction fluctuates: a few windows in which it happens to be high or low gain half as much.
-const LEAST_ROUGH_GAIN: f64 = 40.0;
-/// Share of what an effect explains that it must still do where the rest of the model has been shown the way.
-const STILL_WANTED: f64 = 0.4;
-/// Most effects that are added one after the other.
-const MOST_EFFECTS: usize = 3;
-/// Effects that must have explained something together for another one to be looked for.
-const FIRST_EFFECTS: usize = 2;
-/// Share of the loss that they leave if they have not.
-const LITTLE_EXPLAINED: f64 = 0.9;
 /// Share of the most that an effect gained from which on another one may have been the one to begin with.
 const NEARLY_FIRST: f64 = 0.9;
 
@@ -184,147 +168,26 @@ fn explain(
     without: &[String],
     progress: &mut dyn FnMut(Progress<'_>),
 ) -> (Diagnosis, Option<&'static str>) {
-    let mut base = base.clone();
-    let mut current = base.clone();
-    let mut ranking: Option<Vec<Tried>> = None;
-    let mut rivals: Vec<Vec<&'static str>> = Vec::new();
-    let mut gains = Vec::new();
-    let mut names: Vec<&'static str> = Vec::new();
-    let mut guided = 0;
-    let mut looked: Option<Left> = None;
-    let mut beside_law: Vec<(&'static Entry, Fit)> = Vec::new();
-    while names.len() < MOST_EFFECTS && !have_done_too_little(names.len(), &base, &current) {
-        let round = names.len();
-        let beside: Vec<&str> = beside_law.iter().map(|(entry, _)| entry.name).collect();
-        let tried = if beside_law.iter().any(|(_, both)| both.is_explained(data)) {
-            try_known(data, &current, beside_law.clone())
-        } else {
-            try_all(data, &current, without, beside_law.clone(), &mut |name| {
-                progress(Progress::Trying { name, round })
-            })
-        };
-        let is_rough = current.disturbance.relative > LITTLE_ROUGHNESS;
-        let least_gain = if is_rough {
-            LEAST_ROUGH_GAIN
-        } else if names.is_empty() {
-            LEAST_GAIN
-        } else {
-            LEAST_FURTHER_GAIN
-        };
-        // Clean records never gain as much in all; on top of another effect, what that one leaves may.
-        let elsewhere = if names.is_empty() {
-            LEAST_GAIN
-        } else {
-            2.0 * least_gain
-        };
-        let accepted = tried
-            .iter()
-            .filter(|t| t.is_finalist)
-            .find(|t| counts(data, t))
-            .filter(|best| best.gains_surely(least_gain, elsewhere))
-            .map(|best| match round {
-                0 => best,
-                _ => least_astray(data, best, &tried),
-            })
-            .cloned();
-        // An effect of no size that fits better has only shown the rest of the model the way.
-        let immaterial = tried
-            .iter()
-            .take_while(|t| t.is_finalist)
-            .find(|t| t.gain > LEAST_GAIN && !counts(data, t));
-        if let Some(guide) = immaterial
-            && guided < names.len() + 1
-            && let Some(better) = guide.fit.without_last_effect(data, &current)
-        {
-            guided = names.len() + 1;
-            let still_wanted = accepted.as_ref().is_some_and(|best| {
-                let explained = current.loss - best.fit.loss;
-                better.loss - best.fit.loss > STILL_WANTED * explained
-            });
-            if names.is_empty() {
-                base = better.clone();
-            }
-            current = better;
-            if !still_wanted {
-                looked = (jumps(&current) && !names.is_empty())
-                    .then(|| Left::by(data, &current, gains.iter().sum()));
-                if looked.as_ref().is_some_and(|left| !left.counts) {
-                    break;
-                }
-                continue;
-            }
-        }
-        if let Some(best) = &accepted {
-            let further = LEAST_FURTHER_GAIN.max(least_gain);
-            let simple = simplest(data, best, &tried, further);
-            let mut others = indistinguishable(data, simple, &tried);
-            others.retain(|name| *name != best.name);
-            rivals.push(others);
-            gains.push(simple.gain);
-            names.push(simple.name);
-            current = if beside.contains(&simple.name) {
-                simple.fit.clone()
-            } else {
-                with_costly_law_last(data, &base, &names, simple.fit.clone())
-            };
-            looked = None;
-        }
-        let ranking = ranking.get_or_insert(tried);
-        if accepted.is_none() || current.is_explained(data) && round > 0 {
-            break;
-        }
-        let nearly_all = names.len() >= FIRST_EFFECTS && current.typical_misfit(data) < WRONG;
-        looked =
-            (jumps(&current) || nearly_all).then(|| Left::by(data, &current, gains.iter().sum()));
-        if looked.as_ref().is_some_and(|left| !left.counts) {
-            break;
-        }
-        beside_law = match names[..] {
-            [law] => companions(data, &base, law, &current, ranking, &mut |name| {
-                progress(Progress::Trying { name, round: 1 })
-            }),
-            _ => Vec::new(),
-        };
-    }
-    let added = names.len();
-    drop_superfluous(
-        data,
-        &base,
-        &mut current,
-        &mut names,
-        &mut gains,
-        &mut rivals,
-        ranking.as_deref().unwrap_or_default(),
-    );
+    let mut rounds = Rounds::of(data, base, without, &mut |name, round| {
+        progress(Progress::Trying { name, round })
+    });
+    rounds.drop_superfluous(data);
     progress(Progress::Locating);
-    let explained: f64 = gains.iter().sum();
-    let mut left = match looked.filter(|_| names.len() == added) {
-        Some(left) => left,
-        None if names.is_empty() => Left::among(data, &current, structure.to_vec(), explained),
-        None => Left::by(data, &current, explained),
-    };
-    // Of effects that the gains cannot tell apart, one that leaves nothing is better than one that leaves structure.
-    if left.counts && names.len() == 1 {
-        let stand_in = rivals[0].iter().find_map(|&name| {
-            let fitted = &ranking.as_ref()?.iter().find(|t| t.name == name)?.fit;
-            let left = Left::by(data, fitted, explained);
-            (!left.counts).then(|| (name, fitted.clone(), left))
-        });
-        if let Some((name, fitted, nothing)) = stand_in {
-            rivals[0].retain(|rival| *rival != name);
-            rivals[0].push(names[0]);
-            names[0] = name;
-            current = fitted;
-            left = nothing;
-        }
-    }
-    let alternatives = rivals.first().cloned().unwrap_or_default();
-    let all_certain = names
+    let left = rounds.what_is_left(data, structure);
+    let Rounds {
+        base,
+        current,
+        additions,
+        ranking,
+        ..
+    } = rounds;
+    let all_certain = additions
         .iter()
-        .all(|name| current.is_wholly_certain_of(data, name));
+        .all(|addition| current.is_wholly_certain_of(data, addition.name));
+    let alternatives = additions.first().map_or(Vec::new(), |a| a.rivals.clone());
     let verdict = if left.counts || !all_certain {
         Verdict::NotInCatalogue
-    } else if names.is_empty() {
+    } else if additions.is_empty() {
         if parameters_moved(&base) || refitting_closes_a_gap(data, &base) {
             Verdict::Parameters
         } else {
@@ -339,21 +202,16 @@ fn explain(
         .estimates(data)
         .into_iter()
         .partition(|e| e.is_nominal);
-    let effects = names
+    let effects = additions
         .iter()
-        .zip(&rivals)
-        .map(|(&name, rivals)| Named {
-            name,
-            probability: 1.0 / (1.0 + rivals.len() as f64),
-            estimates: belonging(name, &added),
+        .map(|addition| Named {
+            name: addition.name,
+            probability: 1.0 / (1.0 + addition.rivals.len() as f64),
+            estimates: belonging(addition.name, &added),
         })
         .collect();
-    let stand_in = ranking
-        .as_deref()
-        .filter(|_| verdict == Verdict::NotInCatalogue)
-        .and_then(first_by_little);
+    let stand_in = first_by_little(&ranking).filter(|_| verdict == Verdict::NotInCatalogue);
     let ranking = ranking
-        .unwrap_or_default()
         .iter()
         .map(|t| Ranked {
             name: t.name,
@@ -384,11 +242,6 @@ fn first_by_little(ranking: &[Tried]) -> Option<&'static str> {
     let (best, others) = ranking.split_first()?;
     let by_little = others.iter().any(|t| t.gain > NEARLY_FIRST * best.gain);
     (best.gain > LEAST_GAIN && by_little).then_some(best.name)
-}
-
-/// Whether the first `added` effects leave nearly all that there was: a further one would stand in as they do.
-fn have_done_too_little(added: usize, base: &Fit, current: &Fit) -> bool {
-    added >= FIRST_EFFECTS && current.loss > LITTLE_EXPLAINED * base.loss
 }
 
 /// The estimates that belong to an effect: those of its own section, or the law's.

@@ -40,6 +40,7 @@ pub mod restart;
 mod restated;
 mod rivals;
 pub mod robust;
+mod rounds;
 pub mod run;
 pub mod score;
 pub mod search;

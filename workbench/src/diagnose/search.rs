@@ -88,11 +88,13 @@ const HOPELESS: f64 = 130.0;
 const RIVALS: f64 = 25.0;
 /// Most small effects that are fitted to all windows.
 const MOST_RIVALS: usize = 5;
+/// Most effects on top of a wrong base that are.
+const MOST_WRONG_RIVALS: usize = 8;
 /// Decrease of the loss on the thinned windows that a start must promise to be followed up.
 const LEAST_PROMISE: f64 = 3.0;
 /// The same on top of another effect, where more gain is asked for.
 const LEAST_FURTHER_PROMISE: f64 = 8.0;
-/// Starts that are followed up although others promise much more.
+/// Effects, the most promising, whose starts are followed up although others promise much more.
 const FOLLOWED: usize = 6;
 /// Starts of one entry of which all are followed.
 const SCANNED: usize = 4;
@@ -150,7 +152,7 @@ pub fn try_all(
     for (rank, (entry, found)) in explored.into_iter().enumerate() {
         let gains = found.loss < promised - least_promise(base);
         let rivals = if wrong {
-            found.loss < best + HOPELESS
+            rank < MOST_WRONG_RIVALS && found.loss < best + HOPELESS
         } else {
             rank < MOST_RIVALS && found.loss < best + RIVALS
         };
@@ -382,11 +384,16 @@ impl Exploration<'_> {
 
     /// Fits the starts that promise something and keeps the best fit of each entry.
     fn follow(&mut self, starts: Vec<(f64, &'static Entry, Fit)>, progress: &mut dyn FnMut(&str)) {
-        for (rank, (promised, entry, start)) in starts.into_iter().enumerate() {
+        let mut looked_at: Vec<&str> = Vec::new();
+        for (promised, entry, start) in starts {
             let mut fitted = start;
+            if !looked_at.contains(&entry.name) {
+                looked_at.push(entry.name);
+            }
             let gains = promised < self.promised - least_promise(self.base);
             let rivals = promised < self.best + HOPELESS;
-            let unsettled = !self.explained && (rank < FOLLOWED || entry.is_nonlinear());
+            let unsettled =
+                !self.explained && (looked_at.len() <= FOLLOWED || entry.is_nonlinear());
             if gains && (rivals || self.wrong && unsettled) {
                 progress(entry.name);
                 fitted = self.go_on(fitted, 5);
@@ -404,7 +411,7 @@ impl Exploration<'_> {
 }
 
 /// The starts of one entry on top of `base`, looked at on the windows of `part`.
-fn entry_looks(part: &Data, base: &Fit, entry: &Entry, wrong: bool) -> Vec<Fit> {
+pub fn entry_looks(part: &Data, base: &Fit, entry: &Entry, wrong: bool) -> Vec<Fit> {
     let mut starts: Vec<Hypothesis> = entry
         .starts(&base.hypothesis, wrong)
         .into_iter()

@@ -4,59 +4,52 @@ use super::data::Data;
 use super::fit::Fit;
 use super::gain::{LEAST_GAIN, folds, gain};
 use super::law_fits::refit_with;
-use super::search::Tried;
+use super::rounds::Rounds;
 
-/// Whether the effects other than that at `at` may explain without it what all do together: where there is one other, as
-/// far as its gain on top of the analyst's model tells.
-fn others_do_much(at: usize, names: &[&'static str], gains: &[f64], ranking: &[Tried]) -> bool {
-    let total: f64 = gains.iter().sum();
-    let alone = |name: &&str| ranking.iter().find(|t| t.name == *name);
-    let mut others = names.iter().enumerate().filter(|(j, _)| *j != at);
-    match (others.next(), others.next()) {
-        (Some((_, other)), None) => alone(other).is_none_or(|t| t.gain > 0.5 * total),
-        _ => true,
+impl Rounds {
+    /// Takes away effects that the others make superfluous.
+    pub fn drop_superfluous(&mut self, data: &Data) {
+        let mut at = 0;
+        // The last has been judged on top of all others.
+        while at + 1 < self.additions.len() {
+            match self.as_good_without(data, at) {
+                Some(fitted) => {
+                    self.current = fitted;
+                    self.additions.remove(at);
+                    self.left = None;
+                }
+                None => at += 1,
+            }
+        }
     }
-}
 
-/// Takes away effects that the others make superfluous.
-pub fn drop_superfluous(
-    data: &Data,
-    base: &Fit,
-    current: &mut Fit,
-    names: &mut Vec<&'static str>,
-    gains: &mut Vec<f64>,
-    rivals: &mut Vec<Vec<&'static str>>,
-    ranking: &[Tried],
-) {
-    let mut at = 0;
-    // The last has been judged on top of all others.
-    while at + 1 < names.len() {
-        if !others_do_much(at, names, gains, ranking) {
-            at += 1;
-            continue;
+    /// The model without the effect at `at`, if it explains as much.
+    fn as_good_without(&self, data: &Data, at: usize) -> Option<Fit> {
+        let others: Vec<&str> = (self.additions.iter().enumerate())
+            .filter(|(j, _)| *j != at)
+            .map(|(_, other)| other.name)
+            .collect();
+        if !self.may_do_much(&others) {
+            return None;
         }
-        let mut rest: Option<Fit> = Some(base.clone());
-        for (j, name) in names.iter().enumerate() {
-            if j == at {
-                continue;
-            }
-            rest = rest.and_then(|fitted| refit_with(data, &fitted, name));
-        }
+        let rest = others.iter().try_fold(self.base.clone(), |fitted, name| {
+            refit_with(data, &fitted, name)
+        })?;
         let folds = folds(data);
-        let superfluous = rest.filter(|fitted| {
-            let losses = fitted.held_out_losses(data, &folds);
-            let lost = gain(&losses, &current.held_out_losses(data, &folds));
-            let by_chance = lost.total < 3.0 * LEAST_GAIN || lost.without_best < LEAST_GAIN;
-            lost.total < LEAST_GAIN || lost.interval95[0] < 0.0 && by_chance
-        });
-        match superfluous {
-            Some(fitted) => {
-                *current = fitted;
-                names.remove(at);
-                gains.remove(at);
-                rivals.remove(at);
-            }
-            None => at += 1,
-        }
+        let losses = rest.held_out_losses(data, &folds);
+        let lost = gain(&losses, &self.current.held_out_losses(data, &folds));
+        let by_chance = lost.total < 3.0 * LEAST_GAIN || lost.without_best < LEAST_GAIN;
+        let superfluous = lost.total < LEAST_GAIN || lost.interval95[0] < 0.0 && by_chance;
+        superfluous.then_some(rest)
+    }
+
+    /// Whether `others` may explain what all effects do together: where it is one, as far as its gain on top of the analyst's
+    /// model tells.
+    fn may_do_much(&self, others: &[&str]) -> bool {
+        let [other] = others else {
+            return true;
+        };
+        let alone = self.ranking.iter().find(|t| t.name == *other);
+        alone.is_none_or(|t| t.gain > 0.5 * self.explained())
     }
 }
