@@ -9,6 +9,7 @@ from conftest import diagnosed
     [
         ("shaft_hardening", "stiction", 150000),  # once flagged
         ("bearing_friction", "sensor_delay", 150000),  # once named with a relaxation as slow as its range allows
+        ("acceleration_hysteresis", "sensor_delay", 158010),  # once flagged although nothing was left
     ],
 )
 def test_what_stood_in_is_left_out_and_both_are_named(tmp_path, first, second, seed):

@@ -130,8 +130,9 @@ pub fn fit_base(data: &Data, hypothesis: Hypothesis) -> Fit {
 
 /// Finds what is missing in `hypothesis`; effects named in `without` are not considered.
 ///
-/// Where nothing explains the records and another effect did nearly as much on top of the analyst's model as the one that did
-/// most, that may have been a stand-in: what is found without it then counts if it explains them.
+/// Where nothing explains the records, an effect may have been a stand-in: the one whose numbers are not certain although nothing
+/// is left, or the one that did most on top of the analyst's model although another did nearly as much. What is found without it
+/// then counts if it explains them.
 pub fn diagnose(
     data: &Data,
     hypothesis: Hypothesis,
@@ -159,8 +160,7 @@ pub fn diagnose(
     }
 }
 
-/// What `base`, fitted to the records, needs to explain them, and where that has not been found the effect that did most on
-/// top of `base` although another one did nearly as much.
+/// What `base`, fitted to the records, needs to explain them, and where that has not been found the effect that may be a stand-in.
 fn explain(
     data: &Data,
     base: &Fit,
@@ -181,11 +181,12 @@ fn explain(
         ranking,
         ..
     } = rounds;
-    let all_certain = additions
+    let uncertain = additions
         .iter()
-        .all(|addition| current.is_wholly_certain_of(data, addition.name));
+        .map(|addition| addition.name)
+        .find(|name| !current.is_wholly_certain_of(data, name));
     let alternatives = additions.first().map_or(Vec::new(), |a| a.rivals.clone());
-    let verdict = if left.counts || !all_certain {
+    let verdict = if left.counts || uncertain.is_some() {
         Verdict::NotInCatalogue
     } else if additions.is_empty() {
         if parameters_moved(&base) || refitting_closes_a_gap(data, &base) {
@@ -210,7 +211,10 @@ fn explain(
             estimates: belonging(addition.name, &added),
         })
         .collect();
-    let stand_in = first_by_little(&ranking).filter(|_| verdict == Verdict::NotInCatalogue);
+    let stand_in = uncertain
+        .filter(|_| !left.counts)
+        .or_else(|| first_by_little(&ranking))
+        .filter(|_| verdict == Verdict::NotInCatalogue);
     let ranking = ranking
         .iter()
         .map(|t| Ranked {
