@@ -28,6 +28,7 @@ def test_stiction_is_not_taken_for_it(tmp_path):
     ("kind", "effect", "seed", "size"),
     [
         ("stiction", "stiction", 51002, "full"),  # once not found, since the base is far off
+        ("stiction", "stiction", 162002, "0.5"),  # once left to parameters that closed nothing: two breakaways show it
         ("friction_wear", "friction_wear", 94022, "0.5"),  # once flagged, since a few windows gain or lose much by chance
         ("normal_force_wobble_gauss", "normal_force_wobble", 51401, "full"),  # once flagged for what the right model leaves
     ],

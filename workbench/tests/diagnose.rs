@@ -77,14 +77,14 @@ fn the_right_effect_is_named_with_its_size() {
 #[test]
 fn the_gap_closes_on_the_held_out_record() {
     let case = load();
-    let fit = fit_effects(
+    let forced = fit_effects(
         &case.training(),
         &case.model,
         &["unbalance".to_owned()],
         &mut |_| {},
     )
     .unwrap();
-    let finding = forced_finding(&case, &["unbalance".to_owned()], &fit, None).unwrap();
+    let finding = forced_finding(&case, &["unbalance".to_owned()], &forced, None).unwrap();
     let model = amended_model(&case, &finding).unwrap();
     let text = amend::text(&case, &finding, &model).unwrap();
     let data = case.judging(Begin::Clear);
@@ -112,8 +112,8 @@ fn the_gap_closes_on_the_held_out_record() {
 fn a_finding_can_be_disagreed_with() {
     let case = load();
     let names = vec!["viscous_drag".to_owned()];
-    let fit = fit_effects(&case.training(), &case.model, &names, &mut |_| {}).unwrap();
-    let finding = forced_finding(&case, &names, &fit, None).unwrap();
+    let forced = fit_effects(&case.training(), &case.model, &names, &mut |_| {}).unwrap();
+    let finding = forced_finding(&case, &names, &forced, None).unwrap();
     assert_eq!(finding.effects[0].name, "viscous_drag");
     assert!(finding.notes.iter().any(|note| note.contains("--effect")));
     let place = tempfile::tempdir().unwrap();
@@ -121,7 +121,7 @@ fn a_finding_can_be_disagreed_with() {
     let read = Finding::read(place.path()).unwrap();
     let (amended, fitted) = (
         amended_model(&case, &read).unwrap().rig,
-        fit.hypothesis.rig_at().unwrap(),
+        forced.fit.hypothesis.rig_at().unwrap(),
     );
     assert_eq!(amended.parameters(), fitted.parameters());
     for parameter in fitted.parameters() {
@@ -224,8 +224,8 @@ fn comparison(case: &Case) -> Comparison {
 fn the_report_is_well_formed_and_refers_to_nothing_outside() {
     let case = load();
     let names = vec!["unbalance".to_owned()];
-    let fit = fit_effects(&case.training(), &case.model, &names, &mut |_| {}).unwrap();
-    let mut finding = forced_finding(&case, &names, &fit, None).unwrap();
+    let forced = fit_effects(&case.training(), &case.model, &names, &mut |_| {}).unwrap();
+    let mut finding = forced_finding(&case, &names, &forced, None).unwrap();
     let comparison = comparison(&case);
     finding.gap = Some(comparison.gap.clone());
     finding.notes.push("less < than & \"more\"".to_owned());

@@ -1,6 +1,7 @@
 //! How certain the numbers of a fit are.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
+use stickslip::friction::Law;
 
 use super::catalogue::{Entry, entry};
 use super::data::Data;
@@ -32,8 +33,17 @@ impl Fit {
     /// larger of the two deviations is given.
     pub fn estimates(&self, data: &Data) -> Vec<Estimate> {
         let covariance = self.covariance(data);
-        self.hypothesis
-            .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]))
+        let mut estimates = self
+            .hypothesis
+            .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]));
+        // Where each window breaks away at its own level, only how those scatter tells how certain the law's is.
+        if let Law::CoulombStiction(_) = self.hypothesis.rig.law {
+            for estimate in estimates.iter_mut().filter(|e| e.name == "contact.mu_s") {
+                let scatter = data.breakaway_deviation * estimate.value;
+                estimate.deviation = estimate.deviation.hypot(scatter);
+            }
+        }
+        estimates
     }
 
     /// Whether the size of the effect of this name is certain enough to tell it from none.

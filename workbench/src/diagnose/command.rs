@@ -231,14 +231,14 @@ pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
     let finding = if arguments.effect.is_empty() {
         Finding::read(&common.out)?
     } else {
-        let fit = fit_effects(
+        let forced = fit_effects(
             &session.case.training(),
             &session.case.model,
             &arguments.effect,
             &mut |what| session.progress.say(what),
         )?;
         let earlier = Finding::read(&common.out).ok();
-        let mut finding = forced_finding(&session.case, &arguments.effect, &fit, earlier)?;
+        let mut finding = forced_finding(&session.case, &arguments.effect, &forced, earlier)?;
         session.found(&mut finding, None)?;
         finding
     };

@@ -24,6 +24,8 @@ pub struct Data {
     pub deviations: [f64; CHANNELS],
     /// Standard deviation of the friction relative to itself beyond which it is not taken to fluctuate at all.
     pub most_roughness: f64,
+    /// Standard deviation of the breakaway level relative to itself that is left where each window has its own.
+    pub breakaway_deviation: f64,
 }
 
 impl Data {
@@ -40,16 +42,27 @@ impl Data {
             windows,
             deviations,
             most_roughness: f64::INFINITY,
+            breakaway_deviation: 0.0,
         }
     }
 
     /// The same records cut into windows of another length [s].
     pub fn recut(&self, length: f64) -> Self {
         let cut = Cut { length, ..self.cut };
-        Self {
+        let mut anew = Self {
             most_roughness: self.most_roughness,
+            breakaway_deviation: self.breakaway_deviation,
             ..Self::new(Arc::clone(&self.runs), cut, self.deviations)
+        };
+        for window in &mut anew.windows {
+            let holds = |other: &&Window| {
+                other.run == window.run && (other.first..other.last).contains(&window.first)
+            };
+            if let Some(holder) = self.windows.iter().find(holds) {
+                window.breakaway = holder.breakaway;
+            }
         }
+        anew
     }
 
     /// The same records where friction is not taken to fluctuate by more than `most_roughness` of itself.
@@ -69,10 +82,8 @@ impl Data {
     pub fn part(&self, kept: &[usize]) -> Self {
         Self {
             runs: Arc::clone(&self.runs),
-            cut: self.cut,
             windows: kept.iter().map(|&j| self.windows[j].clone()).collect(),
-            deviations: self.deviations,
-            most_roughness: self.most_roughness,
+            ..*self
         }
     }
 }

@@ -1,5 +1,6 @@
 //! From gains to a verdict.
 
+use super::breakaway::{Breakaways, STICTION};
 use super::catalogue::entry;
 use super::data::Data;
 use super::fit::{Fit, fit};
@@ -8,7 +9,7 @@ use super::hypothesis::{Estimate, Hypothesis};
 use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
 use super::rounds::Rounds;
-use super::search::{Tried, WRONG, close_up};
+use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up};
 use super::structure::{Structure, structures};
 
 /// Share of the most that an effect gained from which on another one may have been the one to begin with.
@@ -72,6 +73,8 @@ pub struct Diagnosis {
     pub base: Fit,
     /// The amended model.
     pub amended: Fit,
+    /// The records that the fits are of: where friction fluctuates, windows may break away at levels of their own.
+    pub data: Data,
 }
 
 /// What happens in the course of a diagnosis, for a display.
@@ -88,6 +91,8 @@ pub enum Progress<'a> {
     },
     /// It is being looked for structure in what is left.
     Locating,
+    /// Friction fluctuates and the disc breaks away above what it slides at: all is tried once more with that.
+    Breakaways,
     /// Nothing explains the records, and this effect may be a stand-in: all is tried once more without it.
     Without(&'a str),
 }
@@ -130,6 +135,8 @@ pub fn fit_base(data: &Data, hypothesis: Hypothesis) -> Fit {
 
 /// Finds what is missing in `hypothesis`; effects named in `without` are not considered.
 ///
+/// Where friction fluctuates, breakaways may tell of stiction that the rest of the records does not show.
+///
 /// Where nothing explains the records, an effect may have been a stand-in: the one whose numbers are not certain although nothing
 /// is left, or the one that did most on top of the analyst's model although another did nearly as much. What is found without it
 /// then counts if it explains them.
@@ -143,14 +150,31 @@ pub fn diagnose(
     let base = fit_base(data, hypothesis);
     progress(Progress::Locating);
     let structure = structures(data, &base);
-    let (found, stand_in) = explain(data, &base, &structure, without, progress);
+    let (found, stand_in) = explain(data, &base, None, &structure, without, progress);
+    let may_be_stiction = found.amended.disturbance.relative > LITTLE_ROUGHNESS
+        && !without.iter().any(|name| name == STICTION);
+    if may_be_stiction && let Some(breakaways) = Breakaways::above_sliding(data, &base) {
+        progress(Progress::Breakaways);
+        let told = &breakaways.told;
+        let (anew, _) = explain(
+            told,
+            &base,
+            Some(&breakaways),
+            &structure,
+            without,
+            progress,
+        );
+        if anew.verdict == Verdict::Named || anew.verdict == Verdict::Ambiguous {
+            return anew;
+        }
+    }
     let Some(stand_in) = stand_in else {
         return found;
     };
     progress(Progress::Without(stand_in));
     let mut without = without.to_vec();
     without.push(stand_in.to_owned());
-    let (other, _) = explain(data, &base, &structure, &without, progress);
+    let (other, _) = explain(data, &base, None, &structure, &without, progress);
     match other.verdict {
         Verdict::Named | Verdict::Ambiguous => Diagnosis {
             ranking: found.ranking,
@@ -164,11 +188,12 @@ pub fn diagnose(
 fn explain(
     data: &Data,
     base: &Fit,
+    breakaways: Option<&Breakaways>,
     structure: &[Structure],
     without: &[String],
     progress: &mut dyn FnMut(Progress<'_>),
 ) -> (Diagnosis, Option<&'static str>) {
-    let mut rounds = Rounds::of(data, base, without, &mut |name, round| {
+    let mut rounds = Rounds::of(data, base, breakaways, without, &mut |name, round| {
         progress(Progress::Trying { name, round })
     });
     rounds.drop_superfluous(data);
@@ -237,6 +262,7 @@ fn explain(
         nominal,
         base,
         amended: current,
+        data: data.clone(),
     };
     (diagnosis, stand_in)
 }

@@ -1,6 +1,7 @@
 //! Effects that a person names: fitted on top of the model without asking whether they are right.
 
 use super::amend::{AmendError, NOT_APPLICABLE};
+use super::breakaway::{Breakaways, STICTION};
 use super::catalogue::entry;
 use super::data::Data;
 use super::decide::fit_base;
@@ -8,6 +9,15 @@ use super::fit::Fit;
 use super::hypothesis::Hypothesis;
 use super::law_fits::fit_named;
 use stickslip::plant::ModelFile;
+
+/// Effects that a person named, fitted.
+#[derive(Clone, Debug)]
+pub struct Forced {
+    /// The model with them.
+    pub fit: Fit,
+    /// The records that it is fitted to: where friction fluctuates, windows may break away at levels of their own.
+    pub data: Data,
+}
 
 /// Fits the named effects one after the other on top of `model`, keeping each.
 ///
@@ -18,16 +28,29 @@ pub fn fit_effects(
     model: &ModelFile,
     names: &[String],
     progress: &mut dyn FnMut(&str),
-) -> Result<Fit, AmendError> {
+) -> Result<Forced, AmendError> {
     progress("nominal parameters");
-    let mut best = fit_base(data, Hypothesis::base(model));
+    let mut forced = Forced {
+        fit: fit_base(data, Hypothesis::base(model)),
+        data: data.clone(),
+    };
     for name in names {
         let entry = entry(name).ok_or_else(|| AmendError::UnknownEffect(name.clone()))?;
         progress(entry.name);
-        best = fit_named(data, &best, entry).ok_or_else(|| AmendError::NotApplicable {
-            effect: name.clone(),
-            reason: NOT_APPLICABLE,
+        let breakaways = (name == STICTION)
+            .then(|| Breakaways::above_sliding(&forced.data, &forced.fit))
+            .flatten();
+        if let Some(breakaways) = breakaways {
+            forced.fit = breakaways.stiction.1;
+            forced.data = breakaways.told;
+            continue;
+        }
+        forced.fit = fit_named(&forced.data, &forced.fit, entry).ok_or_else(|| {
+            AmendError::NotApplicable {
+                effect: name.clone(),
+                reason: NOT_APPLICABLE,
+            }
         })?;
     }
-    Ok(best)
+    Ok(forced)
 }

@@ -5,7 +5,7 @@ use super::hypothesis::Hypothesis;
 use super::run::{CHANNELS, Run};
 use super::window::{PIECE, START_COMPONENTS, Window};
 use nalgebra::DMatrix;
-use stickslip::friction::{ContactMode, Regime, acceleration_angle};
+use stickslip::friction::{ContactMode, Law, Regime, acceleration_angle};
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, STATES, index};
 use stickslip::series::{Dual, Scalar, evaluate};
@@ -112,6 +112,7 @@ pub fn window_gram<const N: usize>(
     for (j, row) in chain.iter_mut().enumerate() {
         row[j] = 1.0;
     }
+    let rig = &breaking_away_at(rig, window.breakaway);
     let delay = rig.effects.sensor_delay.map_or(Dual::ZERO, |d| d.delay);
     let options = Options {
         tolerance: 1e-6,
@@ -213,6 +214,21 @@ pub fn window_gram<const N: usize>(
         residuals,
         places,
     })
+}
+
+/// The rig whose contact breaks away at `breakaway` times the level of its law, if that has one of its own, but not below what
+/// it slides at.
+fn breaking_away_at<const N: usize>(rig: &Rig<Dual<N>>, breakaway: f64) -> Rig<Dual<N>> {
+    let mut rig = *rig;
+    if let Law::CoulombStiction(law) = &mut rig.law {
+        let level = law.mu_s * breakaway;
+        law.mu_s = if level.value < law.mu_c.value {
+            law.mu_c
+        } else {
+            level
+        };
+    }
+    rig
 }
 
 /// Puts a sliding contact whose law has branches on the one that the measured acceleration tells.

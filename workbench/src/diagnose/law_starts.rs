@@ -31,22 +31,25 @@ const HYSTERESIS_SCALES: [f64; 8] = [0.2, 1.0, 1.0, 0.2, 1.0, 1.0, 6.0, 50.0];
 
 /// Breakaway above the base's sliding friction.
 pub fn stiction(base: &Hypothesis) -> Vec<Hypothesis> {
-    let Law::Coulomb(law) = base.rig.law else {
-        return Vec::new();
-    };
+    let sliding = base.rig.parameter("contact.mu_c");
     [1.02, 1.1, 1.5]
         .iter()
-        .map(|ratio| {
-            let mut h = base.clone();
-            let mu_s = law.mu_c * ratio;
-            h.rig.law = Law::CoulombStiction(CoulombStiction {
-                mu_c: law.mu_c,
-                mu_s,
-            });
-            push_value(&mut h, "mu_s", 0.1, (0.0, 2.0), mu_s);
-            h
-        })
+        .filter_map(|ratio| stiction_at(base, ratio * sliding?))
         .collect()
+}
+
+/// Breakaway at `mu_s` above the base's sliding friction; `None` where its law is not Coulomb's.
+pub fn stiction_at(base: &Hypothesis, mu_s: f64) -> Option<Hypothesis> {
+    let Law::Coulomb(law) = base.rig.law else {
+        return None;
+    };
+    let mut h = base.clone();
+    h.rig.law = Law::CoulombStiction(CoulombStiction {
+        mu_c: law.mu_c,
+        mu_s,
+    });
+    push_value(&mut h, "mu_s", 0.1, (0.0, 2.0), mu_s);
+    Some(h)
 }
 
 /// Sliding friction that falls with speed, in place of the base's.

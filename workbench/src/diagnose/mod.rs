@@ -5,6 +5,7 @@
 //! free within their uncertainty and with random friction as a nuisance.
 
 pub mod amend;
+mod breakaway;
 pub mod bristle_start;
 pub mod case;
 pub mod catalogue;

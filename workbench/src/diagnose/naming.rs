@@ -9,6 +9,7 @@ use super::decide::{Diagnosis, Progress, Verdict, diagnose, fit_base};
 use super::experiment::propose;
 use super::finding::{Experiment, Finding, Ranked, VerdictName};
 use super::fit::Fit;
+use super::forced::Forced;
 use super::hypothesis::Hypothesis;
 use super::law_fits::refit_with;
 use super::located::located;
@@ -26,14 +27,13 @@ pub fn name(
     case: &Case,
     progress: &mut dyn FnMut(&str),
 ) -> anyhow::Result<(Finding, Option<Record>)> {
-    let data = case.training();
     let found = diagnose(
-        &data,
+        &case.training(),
         Hypothesis::base(&case.model),
         &case.without,
         &mut |what| progress(&describe(&what)),
     );
-    let mut finding = finding(case, &data, &found)?;
+    let mut finding = finding(case, &found)?;
     if found.verdict != Verdict::Ambiguous {
         return Ok((finding, None));
     }
@@ -41,7 +41,7 @@ pub fn name(
     let rivals: Vec<Fit> = found
         .alternatives
         .iter()
-        .filter_map(|name| refit_with(&data, &found.base, name))
+        .filter_map(|name| refit_with(&found.data, &found.base, name))
         .collect();
     let proposal = propose(&found.amended, &rivals, &case.sensors)?;
     let inputs = proposal.map(|proposal| {
@@ -62,11 +62,14 @@ fn describe(progress: &Progress<'_>) -> String {
         Progress::Trying { name, round: 0 } => format!("trying {name}"),
         Progress::Trying { name, round } => format!("trying {name} as effect {}", round + 1),
         Progress::Locating => "looking for structure".to_owned(),
+        Progress::Breakaways => {
+            "the disc breaks away above what it slides at; once more".to_owned()
+        }
         Progress::Without(name) => format!("that does not explain it; once more without {name}"),
     }
 }
 
-fn finding(case: &Case, data: &Data, found: &Diagnosis) -> anyhow::Result<Finding> {
+fn finding(case: &Case, found: &Diagnosis) -> anyhow::Result<Finding> {
     let verdict = match found.verdict {
         Verdict::NothingMissing => VerdictName::NothingMissing,
         Verdict::Parameters => VerdictName::Parameters,
@@ -85,7 +88,7 @@ fn finding(case: &Case, data: &Data, found: &Diagnosis) -> anyhow::Result<Findin
         .iter()
         .map(|effect| (effect.name.to_owned(), effect.probability))
         .collect();
-    let mut finding = from_fit(case, verdict, &effects, fit, data)?;
+    let mut finding = from_fit(case, verdict, &effects, fit, &found.data)?;
     if verdict == VerdictName::Ambiguous {
         finding.alternatives = effects
             .iter()
@@ -143,7 +146,7 @@ pub fn located_finding(case: &Case, progress: &mut dyn FnMut(&str)) -> anyhow::R
 pub fn forced_finding(
     case: &Case,
     names: &[String],
-    fit: &Fit,
+    forced: &Forced,
     earlier: Option<Finding>,
 ) -> anyhow::Result<Finding> {
     let effects: Vec<(String, f64)> = names
@@ -156,7 +159,13 @@ pub fn forced_finding(
             (name.clone(), known.map_or(0.0, |effect| effect.probability))
         })
         .collect();
-    let mut finding = from_fit(case, VerdictName::Named, &effects, fit, &case.training())?;
+    let mut finding = from_fit(
+        case,
+        VerdictName::Named,
+        &effects,
+        &forced.fit,
+        &forced.data,
+    )?;
     finding.notes.push(format!(
         "the effects were given by --effect: {}",
         names.join(", ")

@@ -2,6 +2,7 @@
 
 use std::mem;
 
+use super::breakaway::{Breakaways, STICTION};
 use super::catalogue::Entry;
 use super::companions::companions;
 use super::data::Data;
@@ -56,6 +57,7 @@ impl Rounds {
     pub fn of(
         data: &Data,
         base: &Fit,
+        breakaways: Option<&Breakaways>,
         without: &[String],
         progress: &mut dyn FnMut(&str, usize),
     ) -> Self {
@@ -67,7 +69,10 @@ impl Rounds {
             left: None,
         };
         let mut guided = false;
-        let mut beside_law: Vec<(&'static Entry, Fit)> = Vec::new();
+        let mut beside_law: Vec<(&'static Entry, Fit)> = breakaways
+            .map(|breakaways| breakaways.stiction.clone())
+            .into_iter()
+            .collect();
         while rounds.may_go_on() {
             let round = rounds.additions.len();
             let tried = if beside_law.iter().any(|(_, both)| both.is_explained(data)) {
@@ -82,7 +87,9 @@ impl Rounds {
                 )
             };
             let least_gain = rounds.least_gain();
-            let accepted = rounds.accepted(data, &tried, least_gain);
+            let accepted = rounds
+                .accepted(data, &tried, least_gain)
+                .or_else(|| breakaways.and_then(|_| rounds.broken_away(&tried)));
             if !guided && let Some(better) = rounds.shown_the_way(data, &tried) {
                 guided = true;
                 let explains_still = accepted.is_some_and(|best| {
@@ -210,6 +217,14 @@ impl Rounds {
         } else {
             least_astray(data, best, tried)
         })
+    }
+
+    /// Stiction, where its windows alone make it certain on top of the analyst's model.
+    fn broken_away<'a>(&self, tried: &'a [Tried]) -> Option<&'a Tried> {
+        tried
+            .iter()
+            .find(|t| t.name == STICTION && t.is_finalist)
+            .filter(|_| self.additions.is_empty())
     }
 
     /// The current model with other numbers: an effect of no size that fits better has only shown the rest of it the way.

@@ -45,9 +45,16 @@ pub struct Window {
     pub acceleration: f64,
     /// Standard deviations with which the anchor is known, in the order of [`START_COMPONENTS`].
     pub deviations: [f64; START_COMPONENTS.len()],
+    /// Breakaway in this window over that of the law: friction that fluctuates does so there too.
+    pub breakaway: f64,
 }
 
 impl Window {
+    /// Whether the disc sticks somewhere in the window of `run`, under a pin that presses.
+    pub fn sticks(&self, run: &Run) -> bool {
+        (self.first..=self.last).any(|at| motion(run, at) == Motion::Stuck)
+    }
+
     /// `start` moved by `change`, in the order of [`START_COMPONENTS`]. A disc that sticks stays exactly at rest: the
     /// smallest velocity would be slip, and a law with branches would go on from there on one of them.
     pub fn moved(
@@ -173,6 +180,7 @@ impl Cut {
                 anchor,
                 acceleration: 0.0,
                 deviations: [tiny; START_COMPONENTS.len()],
+                breakaway: 1.0,
             };
         }
         let stuck = motion(run, first) == Motion::Stuck;
@@ -192,6 +200,7 @@ impl Cut {
             anchor,
             acceleration,
             deviations: [0.5, disc_velocity, 0.1, 0.3, 2.0, 0.05, BRISTLE],
+            breakaway: 1.0,
         }
     }
 }
