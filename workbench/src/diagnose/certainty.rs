@@ -37,10 +37,11 @@ impl Fit {
             .hypothesis
             .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]));
         // Where each window breaks away at its own level, only how those scatter tells how certain the law's is.
-        if let Law::CoulombStiction(_) = self.hypothesis.rig.law {
+        if data.breakaway_deviation > 0.0
+            && let Law::CoulombStiction(_) = self.hypothesis.rig.law
+        {
             for estimate in estimates.iter_mut().filter(|e| e.name == "contact.mu_s") {
-                let scatter = data.breakaway_deviation * estimate.value;
-                estimate.deviation = estimate.deviation.hypot(scatter);
+                estimate.deviation = data.breakaway_deviation * estimate.value;
             }
         }
         estimates
