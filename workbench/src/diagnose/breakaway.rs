@@ -8,7 +8,7 @@
 
 use nalgebra::DVector;
 use stickslip::friction::{CoulombStiction, Law};
-use stickslip::plant::RigState;
+use stickslip::plant::{Rig, RigState};
 
 use super::catalogue::{Entry, entry};
 use super::data::{Data, grams, reduced};
@@ -78,7 +78,7 @@ impl Breakaways {
         let sticking: Vec<usize> = (0..data.windows.len())
             .filter(|&j| data.windows[j].sticks(&data.runs[data.windows[j].run]))
             .collect();
-        let windows = run_with_levels(data, base, &sticking, sliding.mu_c)?;
+        let windows = run_with_levels(data, base, &sticking, &rig, sliding.mu_c);
         let about = |mean: f64, astray: f64| -> f64 {
             let each = windows.iter();
             each.map(|at| averaged(at, mean, relative, astray)).sum()
@@ -127,19 +127,19 @@ fn levels(step: f64) -> Vec<f64> {
     (0..=count).map(|k| 1.0 + step * k as f64).collect()
 }
 
-/// The windows of these numbers, each with all levels above the sliding friction `mu_c` of `base`.
+/// The windows of these numbers, each with all levels above the sliding friction `mu_c` of `rig`, which is that of `base`.
 fn run_with_levels(
     data: &Data,
     base: &Fit,
     sticking: &[usize],
+    rig: &Rig<f64>,
     mu_c: f64,
-) -> Option<Vec<Vec<Level>>> {
+) -> Vec<Vec<Level>> {
     let part = data.part(sticking);
     let starts: Vec<RigState<f64>> = sticking.iter().map(|&j| base.starts[j]).collect();
-    let rig = base.hypothesis.rig_at().ok()?;
     let mut windows = vec![Vec::new(); sticking.len()];
     for level in levels(STEP) {
-        let mut rig = rig;
+        let mut rig = *rig;
         rig.law = Law::CoulombStiction(CoulombStiction {
             mu_c,
             mu_s: mu_c * level,
@@ -155,7 +155,7 @@ fn run_with_levels(
             window.push(level);
         }
     }
-    Some(windows)
+    windows
 }
 
 /// Each window of `part` under a hypothesis without free numbers, at the best start that a few improvements find.
@@ -201,6 +201,7 @@ fn spread(at: &[Level]) -> f64 {
     most(at) - least
 }
 
+/// The most that a window's likelihood is at any level.
 fn most(at: &[Level]) -> f64 {
     at.iter()
         .map(|level| level.likelihood)

@@ -8,6 +8,7 @@ use super::decide::fit_base;
 use super::fit::Fit;
 use super::hypothesis::Hypothesis;
 use super::law_fits::fit_named;
+use super::search::LITTLE_ROUGHNESS;
 use stickslip::plant::ModelFile;
 
 /// Effects that a person named, fitted.
@@ -19,7 +20,8 @@ pub struct Forced {
     pub data: Data,
 }
 
-/// Fits the named effects one after the other on top of `model`, keeping each.
+/// Fits the named effects one after the other on top of `model`, keeping each. Where friction fluctuates in what comes out,
+/// stiction is fitted to the breakaways.
 ///
 /// # Errors
 /// [`AmendError`] where an effect is unknown or cannot be added.
@@ -27,6 +29,21 @@ pub fn fit_effects(
     data: &Data,
     model: &ModelFile,
     names: &[String],
+    progress: &mut dyn FnMut(&str),
+) -> Result<Forced, AmendError> {
+    let plain = fit_each(data, model, names, false, progress)?;
+    let fluctuates = plain.fit.disturbance.relative > LITTLE_ROUGHNESS;
+    if fluctuates && names.iter().any(|name| name == STICTION) {
+        return fit_each(data, model, names, true, progress);
+    }
+    Ok(plain)
+}
+
+fn fit_each(
+    data: &Data,
+    model: &ModelFile,
+    names: &[String],
+    to_breakaways: bool,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Forced, AmendError> {
     progress("nominal parameters");
@@ -37,7 +54,7 @@ pub fn fit_effects(
     for name in names {
         let entry = entry(name).ok_or_else(|| AmendError::UnknownEffect(name.clone()))?;
         progress(entry.name);
-        let breakaways = (name == STICTION)
+        let breakaways = (to_breakaways && name == STICTION)
             .then(|| Breakaways::above_sliding(&forced.data, &forced.fit))
             .flatten();
         if let Some(breakaways) = breakaways {
