@@ -24,7 +24,7 @@ pub struct Data {
     pub deviations: [f64; CHANNELS],
     /// Standard deviation of the friction relative to itself beyond which it is not taken to fluctuate at all.
     pub most_roughness: f64,
-    /// Standard deviation of the law's breakaway level relative to itself, where each window has its own; else 0.
+    /// Standard deviation of the law's breakaway level relative to itself, where breakaways that scatter tell of it; else 0.
     pub breakaway_deviation: f64,
 }
 
