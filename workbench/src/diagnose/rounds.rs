@@ -69,22 +69,18 @@ impl Rounds {
             left: None,
         };
         let mut guided = false;
-        let mut beside_law: Vec<(&'static Entry, Fit)> = breakaways
+        let mut known: Vec<(&'static Entry, Fit)> = breakaways
             .map(|breakaways| breakaways.stiction.clone())
             .into_iter()
             .collect();
         while rounds.may_go_on() {
             let round = rounds.additions.len();
-            let tried = if beside_law.iter().any(|(_, both)| both.is_explained(data)) {
-                try_known(data, &rounds.current, beside_law.clone())
+            let tried = if known.iter().any(|(_, both)| both.is_explained(data)) {
+                try_known(data, &rounds.current, known.clone())
             } else {
-                try_all(
-                    data,
-                    &rounds.current,
-                    without,
-                    beside_law.clone(),
-                    &mut |name| progress(name, round),
-                )
+                try_all(data, &rounds.current, without, known.clone(), &mut |name| {
+                    progress(name, round)
+                })
             };
             let least_gain = rounds.least_gain();
             let accepted = rounds
@@ -111,9 +107,7 @@ impl Rounds {
             let is_accepted = accepted.is_some();
             if let Some(best) = accepted {
                 let simple = simplest(data, best, &tried, LEAST_FURTHER_GAIN.max(least_gain));
-                let beside = beside_law
-                    .iter()
-                    .any(|(entry, _)| entry.name == simple.name);
+                let beside = known.iter().any(|(entry, _)| entry.name == simple.name);
                 rounds.add(data, best, simple, &tried, beside);
                 guided = false;
             }
@@ -127,7 +121,7 @@ impl Rounds {
             if rounds.nothing_is_left(data, look) {
                 break;
             }
-            beside_law = match rounds.additions[..] {
+            known = match rounds.additions[..] {
                 [Addition { name: law, .. }] => companions(
                     data,
                     &rounds.base,
