@@ -14,6 +14,19 @@ use stickslip::series::{Dual, Scalar};
 const BAR: f64 = 1e-6;
 const END: f64 = 2.6;
 
+/// Sections of effects, a few at a time.
+const EFFECTS: [&str; 9] = [
+    "[bearing_friction]\ntorque = 0.05\n",
+    "[normal_force_wobble]\namplitude = 0.2\nphase = 0.7\n[unbalance]\ntorque = 0.1\nphase = 0.3\n",
+    "[position_friction]\namplitude = 0.15\nphase = 0.4\n[viscous_drag]\ncoefficient = 0.01\n",
+    "[quadratic_drag]\ncoefficient = 0.002\n[shaft_hardening]\ncubic_stiffness = 0.02\n",
+    "[shaft_hysteresis]\nstiffness = 0.1\nrelaxation_time = 0.15\n[motor_viscous]\ncoefficient = 2e-4\n",
+    "[backlash]\ngap = 0.2\n[supply_sag]\nfactor = 0.95\n",
+    "[gear_ripple]\ntorque = 0.02\norder = 2.0\nphase = 0.4\n[resistance_drift]\nrate_per_minute = 0.5\n",
+    "[load_cell_bias]\nbias = 5.0\n[load_exponent]\nexponent = 0.8\n[friction_wear]\nrate_per_minute = 0.8\n",
+    "[stochastic_friction]\nstandard_deviation = 0.04\ncorrelation_time = 0.1\nseed = 5.0\n",
+];
+
 /// A start from which neither loop of the two-Gaussian laws folds.
 fn moving(full: bool, law: &str) -> RigState<f64> {
     let mut state = [0.0; STATES];
@@ -122,17 +135,7 @@ fn parameters_of_every_law_and_both_rigs() {
 
 #[test]
 fn parameters_of_the_effects() {
-    for effect in [
-        "[bearing_friction]\ntorque = 0.05\n",
-        "[normal_force_wobble]\namplitude = 0.2\nphase = 0.7\n[unbalance]\ntorque = 0.1\nphase = 0.3\n",
-        "[position_friction]\namplitude = 0.15\nphase = 0.4\n[viscous_drag]\ncoefficient = 0.01\n",
-        "[quadratic_drag]\ncoefficient = 0.002\n[shaft_hardening]\ncubic_stiffness = 0.02\n",
-        "[shaft_hysteresis]\nstiffness = 0.1\nrelaxation_time = 0.15\n[motor_viscous]\ncoefficient = 2e-4\n",
-        "[backlash]\ngap = 0.2\n[supply_sag]\nfactor = 0.95\n",
-        "[gear_ripple]\ntorque = 0.02\norder = 2.0\nphase = 0.4\n[resistance_drift]\nrate_per_minute = 0.5\n",
-        "[load_cell_bias]\nbias = 5.0\n[load_exponent]\nexponent = 0.8\n[friction_wear]\nrate_per_minute = 0.8\n",
-        "[stochastic_friction]\nstandard_deviation = 0.04\ncorrelation_time = 0.1\nseed = 5.0\n",
-    ] {
+    for effect in EFFECTS {
         let rig = common::rig(false, common::law("stribeck"), effect);
         let name = effect.lines().next().unwrap();
         check_parameters(name, &rig, moving(false, ""));
@@ -230,6 +233,61 @@ fn initial_states_of_every_law_and_both_rigs() {
             println!("{:20} full rig {full:5}: worst {worst:.1e}", law.0);
             assert!(worst < BAR, "{}, full rig {full}: {worst:e}", law.0);
         }
+    }
+}
+
+/// A run with derivatives by the initial state.
+fn varied(rig: &Rig<f64>, start: RigState<f64>) -> Simulation<Dual<5>, Rig<Dual<5>>> {
+    let inputs = inputs(rig).lift();
+    Simulation::new(
+        rig.lift(),
+        common::options(1e-6),
+        0.0,
+        seeded(start),
+        inputs,
+    )
+    .unwrap()
+}
+
+fn seeded(start: RigState<f64>) -> RigState<Dual<5>> {
+    let mut lifted: RigState<Dual<5>> = start.map(Dual::constant);
+    for (place, x) in lifted.iter_mut().enumerate().take(5) {
+        x.derivative[place] = 1.0;
+    }
+    lifted
+}
+
+#[test]
+fn a_run_started_over_is_a_new_one_to_the_last_bit() {
+    let laws = LAWS.map(|law| [false, true].map(|full| common::rig(full, law, "")));
+    let effects = EFFECTS.map(|effect| common::rig(false, common::law("stribeck"), effect));
+    let bristles = "[presliding]\nstiffness = 20.0\ndamping = 0.05\n";
+    let on_bristles = common::rig(false, common::law("stribeck"), bristles);
+    let rigs = laws
+        .into_iter()
+        .flatten()
+        .chain(effects)
+        .chain([on_bristles]);
+    for rig in rigs {
+        let start = moving(rig.outer.is_some(), rig.law.name());
+        let mut anew = varied(&rig, start);
+        anew.advance_to(END).unwrap();
+        // The run before was another one, at rest and with the brake released on the way.
+        let mut again = varied(&rig, [0.0; STATES]);
+        let released = RigInputs::held(5.0, 0.0, 0.0).lift();
+        again.set_inputs(0.7, released).unwrap();
+        again.advance_to(1.9).unwrap();
+        again
+            .start_over(0.0, seeded(start), inputs(&rig).lift())
+            .unwrap();
+        again.advance_to(END).unwrap();
+        assert_eq!(
+            again.state_at(END),
+            anew.state_at(END),
+            "{}",
+            rig.law.name()
+        );
+        assert_eq!(again.statistics(), anew.statistics());
     }
 }
 

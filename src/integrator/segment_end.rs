@@ -95,7 +95,6 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             let series = &guard.series[..=order];
             if step == 0.0 && series[0] < -NEGATIVE_ROUNDING * size(series, reach) {
                 // It was lost before the segment began, by new inputs or the switch before: at that instant.
-                self.expanded = true;
                 return Ok(());
             }
             let slope = evaluate_derivative(series, step);
@@ -110,7 +109,6 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
                 self.statistics.grazing += 1;
             }
         }
-        self.expanded = true;
         Ok(())
     }
 

@@ -28,7 +28,6 @@ pub struct Simulation<S: Scalar, P: HybridSystem<S>> {
     pub(super) statistics: Statistics,
     pub(super) instant: f64,
     pub(super) simultaneous: u32,
-    pub(super) expanded: bool,
 }
 
 impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
@@ -67,10 +66,28 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             statistics: Statistics::default(),
             instant: time,
             simultaneous: 0,
-            expanded: false,
         };
         simulation.expand()?;
         Ok(simulation)
+    }
+
+    /// Begins another run of the same system, the same to the last bit as a new one but without what that costs before its
+    /// first segment.
+    pub fn start_over(
+        &mut self,
+        time: f64,
+        state: P::State,
+        inputs: P::Inputs,
+    ) -> Result<(), IntegrationError> {
+        self.system.forget(&mut self.jet);
+        if let Some(spare) = &mut self.spare {
+            self.system.forget(spare);
+        }
+        self.inputs = inputs;
+        self.statistics = Statistics::default();
+        self.instant = time;
+        self.simultaneous = 0;
+        self.set_state(time, state)
     }
 
     /// The system.

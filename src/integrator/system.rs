@@ -31,6 +31,9 @@ pub trait HybridSystem<S: Scalar> {
     /// Series to work on.
     fn new_jet(&self) -> Self::Jet;
 
+    /// Drops what an expanded jet remembers of its run, so that another run on it is the same as on a new one.
+    fn forget(&self, _jet: &mut Self::Jet) {}
+
     /// Computes the coefficients of orders 0 to `order` from `time` on.
     fn expand(
         &self,

@@ -152,6 +152,13 @@ impl<S: Scalar> RigJet<S> {
         }
     }
 
+    /// Drops what is remembered of the run so far.
+    pub fn forget(&mut self) {
+        if let Some(tangent) = &mut self.tangent {
+            tangent.forget();
+        }
+    }
+
     /// Friction torques on D2, on D1 (in the full rig) and inside the motor. Their derivatives are known
     /// only of expansions to orders below those of a run.
     pub(crate) fn torques(&self) -> (&[S], Option<&[S]>, &[S]) {

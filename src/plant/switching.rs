@@ -206,6 +206,10 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
         RigJet::new(self)
     }
 
+    fn forget(&self, jet: &mut RigJet<S>) {
+        jet.forget();
+    }
+
     #[inline]
     fn expand(
         &self,

@@ -65,6 +65,12 @@ impl<S: Scalar> Tangent<S> {
         }
     }
 
+    /// Drops what is remembered of the run so far.
+    pub fn forget(&mut self) {
+        self.tolerance = 0.0;
+        self.lively = false;
+    }
+
     /// Relative accuracy wanted of the derivatives in one segment.
     pub(super) fn accuracy(&self) -> f64 {
         BEST_ACCURACY.max(OVER_TOLERANCE * self.tolerance)

@@ -4,7 +4,7 @@
 
 use super::catalogue::{CATALOGUE, Entry, entry};
 use super::data::Data;
-use super::fit::{Fit, fit};
+use super::fit::Fit;
 use super::law_fits::fit_named;
 use super::left::ROUGHNESS;
 use super::search::{WRONG, close_up, entry_looks};
@@ -64,7 +64,7 @@ fn most_promising(
         progress(other.name);
         let promised = entry_looks(&close, &from, other, true)
             .into_iter()
-            .map(|look| fit(&close, look.hypothesis, look.starts, LOOK, from.judging))
+            .map(|look| look.further(&close, LOOK))
             .map(|look| look.promised_loss(&close))
             .min_by(f64::total_cmp);
         promises.extend(promised.map(|promised| (promised, other)));

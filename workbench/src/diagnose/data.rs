@@ -112,19 +112,14 @@ fn grams_with_slots<const N: usize>(
     data.windows
         .par_iter()
         .zip(starts)
-        .map(|(window, start)| {
-            let run = &data.runs[window.run];
-            window_gram(
-                hypothesis,
-                &rig,
-                run,
-                window,
-                start,
-                &data.deviations,
-                |_, _, _| {},
-            )
-            .ok()
-        })
+        .map_init(
+            || None,
+            |last, (window, start)| {
+                let run = &data.runs[window.run];
+                let free = hypothesis.dimension();
+                window_gram(free, &rig, run, window, start, &data.deviations, last).ok()
+            },
+        )
         .collect()
 }
 

@@ -118,10 +118,10 @@ pub fn fit_base(data: &Data, hypothesis: Hypothesis) -> Fit {
     );
     if direct.misfit(data) < FAR {
         let steps = FEW_STEPS - FIRST_STEPS;
-        direct = fit(data, direct.hypothesis, direct.starts, steps, judging);
+        direct = direct.further(data, steps);
     }
     if direct.misfit(data) < WRONG {
-        return fit(data, direct.hypothesis, direct.starts, MANY_STEPS, judging);
+        return direct.further(data, MANY_STEPS);
     }
     // Over short windows a model that lacks an effect still leads to the nominal parameters that are nearest.
     let (_, near) = close_up(data, &hypothesis);

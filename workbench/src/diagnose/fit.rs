@@ -163,8 +163,20 @@ pub fn fit(
 ) -> Fit {
     let mut hypothesis = hypothesis;
     hypothesis.clamp();
-    let mut starts = starts;
-    let mut present = grams(data, &hypothesis, &starts);
+    let present = grams(data, &hypothesis, &starts);
+    fit_from(data, hypothesis, starts, present, most_iterations, judging)
+}
+
+/// As [`fit`], from Gram matrices that are known.
+fn fit_from(
+    data: &Data,
+    hypothesis: Hypothesis,
+    starts: Vec<RigState<f64>>,
+    present: Vec<Option<Gram>>,
+    most_iterations: usize,
+    judging: Robust,
+) -> Fit {
+    let (mut hypothesis, mut starts, mut present) = (hypothesis, starts, present);
     let (mut disturbance, mut robust) = best_disturbance(data, &starts, &present, &hypothesis);
     let mut forms = reduced(data, &starts, &present, &disturbance);
     let mut loss = total_loss(&forms, &hypothesis, robust);
@@ -263,6 +275,18 @@ pub fn fit(
 }
 
 impl Fit {
+    /// A fit of the same records, which are `data`, that goes out from this one.
+    pub fn further(self, data: &Data, most_iterations: usize) -> Self {
+        fit_from(
+            data,
+            self.hypothesis,
+            self.starts,
+            self.grams,
+            most_iterations,
+            self.judging,
+        )
+    }
+
     /// The same fit on the windows of these numbers, which `part` holds.
     pub fn part(&self, part: &Data, kept: &[usize]) -> Self {
         let starts: Vec<RigState<f64>> = kept.iter().map(|&j| self.starts[j]).collect();

@@ -1,7 +1,6 @@
 //! One window under one hypothesis: residuals and their derivatives, condensed to a Gram matrix.
 
 use super::bristle_start::deflect_bristles;
-use super::hypothesis::Hypothesis;
 use super::run::{CHANNELS, Run};
 use super::window::{PIECE, START_COMPONENTS, Window};
 use nalgebra::DMatrix;
@@ -88,20 +87,25 @@ impl Gram {
     }
 }
 
-/// Runs the model through `window` from `start`.
+/// The run of the last window and its relative breakaway level, on whose memory the next window is run.
+pub struct LastRun<const N: usize> {
+    breakaway: f64,
+    simulation: Box<Simulation<Dual<N>, Rig<Dual<N>>>>,
+}
+
+/// Runs the model, which has `free` free numbers, through `window` from `start`.
 ///
-/// `whitening` holds the standard deviations of the channels. `visit` is given, for every sample,
-/// its number, the channel, and the model's value.
+/// `whitening` holds the standard deviations of the channels. `last` may hold a run of the same model through another window,
+/// which does not change the result.
 pub fn window_gram<const N: usize>(
-    hypothesis: &Hypothesis,
+    free: usize,
     rig: &Rig<Dual<N>>,
     run: &Run,
     window: &Window,
     start: &RigState<f64>,
     whitening: &[f64; CHANNELS],
-    mut visit: impl FnMut(usize, usize, f64),
+    last: &mut Option<LastRun<N>>,
 ) -> Result<Gram, IntegrationError> {
-    let free = hypothesis.dimension();
     let per_piece = ((PIECE / run.interval()).round() as usize).max(1);
     let samples = window.last - window.first;
     let pieces = samples.div_ceil(per_piece);
@@ -114,21 +118,7 @@ pub fn window_gram<const N: usize>(
     }
     let rig = &breaking_away_at(rig, window.breakaway);
     let delay = rig.effects.sensor_delay.map_or(Dual::ZERO, |d| d.delay);
-    let options = Options {
-        tolerance: 1e-6,
-        order: ORDER,
-        ..Options::default()
-    };
-    let mut state: RigState<Dual<N>> = start.map(Dual::constant);
-    seed(&mut state);
-    deflect_bristles(rig, &mut state);
-    let mut simulation = Simulation::new(
-        *rig,
-        options,
-        run.time[window.first],
-        state,
-        inputs(run, window.first),
-    )?;
+    let mut simulation = started(rig, run, window, start, last.take())?;
     start_on_measured_branch(&mut simulation, window.acceleration)?;
     let mut places = Vec::with_capacity(pieces);
     let mut row = vec![0.0; columns];
@@ -151,7 +141,6 @@ pub fn window_gram<const N: usize>(
             }
             let (begin, end) = (run.time[sample], run.time[sample + 1]);
             let mut emit = |sample: usize, channel: usize, value: Dual<N>| {
-                visit(sample, channel, value.value);
                 let weight = 1.0 / whitening[channel];
                 local_row(&value, weight, piece, pieces, free, &chain, &mut row);
                 row[columns - 1] = (run.readings[channel][sample] - value.value) * weight;
@@ -208,12 +197,46 @@ pub fn window_gram<const N: usize>(
             products[(i, j)] = products[(j, i)];
         }
     }
+    *last = Some(LastRun {
+        breakaway: window.breakaway,
+        simulation,
+    });
     Ok(Gram {
         products,
         pieces,
         residuals,
         places,
     })
+}
+
+/// The run of `rig` at the first sample of `window`, on the memory of `last` where that is the same rig's.
+fn started<const N: usize>(
+    rig: &Rig<Dual<N>>,
+    run: &Run,
+    window: &Window,
+    start: &RigState<f64>,
+    last: Option<LastRun<N>>,
+) -> Result<Box<Simulation<Dual<N>, Rig<Dual<N>>>>, IntegrationError> {
+    let mut state: RigState<Dual<N>> = start.map(Dual::constant);
+    seed(&mut state);
+    deflect_bristles(rig, &mut state);
+    let time = run.time[window.first];
+    let inputs = inputs(run, window.first);
+    match last {
+        Some(last) if last.breakaway == window.breakaway => {
+            let mut simulation = last.simulation;
+            simulation.start_over(time, state, inputs)?;
+            Ok(simulation)
+        }
+        _ => {
+            let options = Options {
+                tolerance: 1e-6,
+                order: ORDER,
+                ..Options::default()
+            };
+            Simulation::new(*rig, options, time, state, inputs).map(Box::new)
+        }
+    }
 }
 
 /// The rig whose contact breaks away at `breakaway` times the level of its law, if that has one of its own, but not below what

@@ -76,6 +76,19 @@ pub fn fit_named(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
     }
 }
 
+/// The fit of the effects `names` on top of `base` that goes out from the numbers of `fitted`, which has more effects; `None`
+/// where one of them makes no sense.
+pub fn refit_without(data: &Data, base: &Fit, names: &[&str], fitted: &Fit) -> Option<Fit> {
+    let mut hypothesis = names
+        .iter()
+        .try_fold(base.hypothesis.clone(), |on_top_of, name| {
+            entry(name)?.starts(&on_top_of, true).into_iter().next()
+        })?;
+    hypothesis.take_over(&fitted.hypothesis);
+    let starts = fitted.starts.clone();
+    Some(fit(data, hypothesis, starts, 25, fitted.judging))
+}
+
 /// The best fit of one named effect on top of `base`.
 pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
     fit_named(data, base, entry(name)?)

@@ -86,7 +86,7 @@ impl Rounds {
             let accepted = rounds
                 .accepted(data, &tried, least_gain)
                 .or_else(|| breakaways.and_then(|_| rounds.broken_away(&tried)));
-            if !guided && let Some(better) = rounds.shown_the_way(data, &tried) {
+            if !guided && let Some((gain, better)) = rounds.shown_the_way(data, &tried) {
                 guided = true;
                 let explains_still = accepted.is_some_and(|best| {
                     let explained = rounds.current.loss - best.fit.loss;
@@ -98,7 +98,9 @@ impl Rounds {
                 rounds.current = better;
                 if !explains_still {
                     let look = round > 0 && jumps(&rounds.current);
-                    if rounds.nothing_is_left(data, look) {
+                    // What shows so little of it leads to nothing that would be added.
+                    let is_little = round > 0 && accepted.is_none() && gain < least_gain;
+                    if is_little || rounds.nothing_is_left(data, look) {
                         break;
                     }
                     continue;
@@ -221,14 +223,15 @@ impl Rounds {
             .filter(|_| self.additions.is_empty())
     }
 
-    /// The current model with other numbers: an effect of no size that fits better has only shown the rest of it the way.
-    fn shown_the_way(&self, data: &Data, tried: &[Tried]) -> Option<Fit> {
-        tried
+    /// The current model with other numbers: an effect of no size that fits better has only shown the rest of it the way. With
+    /// what that effect gains.
+    fn shown_the_way(&self, data: &Data, tried: &[Tried]) -> Option<(f64, Fit)> {
+        let guide = tried
             .iter()
             .take_while(|t| t.is_finalist)
-            .find(|t| t.gain > LEAST_GAIN && !counts(data, t))?
-            .fit
-            .without_last_effect(data, &self.current)
+            .find(|t| t.gain > LEAST_GAIN && !counts(data, t))?;
+        let better = guide.fit.without_last_effect(data, &self.current)?;
+        Some((guide.gain, better))
     }
 
     /// Adds `simple`, which is `best` of `tried` or its limit; `beside` tells whether its fit has a costly law fitted last.

@@ -161,7 +161,7 @@ pub fn try_all(
         if gains && (rivals || !explained && rank < FINALISTS && considerable) {
             progress(entry.name);
             let look = first_look(data, found.hypothesis, base, wrong);
-            let fitted = fit(data, look.hypothesis, look.starts, 25, base.judging);
+            let fitted = look.further(data, 25);
             whole.push((entry, better_from_short_windows(data, base, entry, fitted)));
         } else {
             on_part.push((entry, found));
@@ -266,15 +266,9 @@ fn explore_closely(
         let mut fitted = look;
         if rivals && fitted.promised_loss(part) < best + HOPELESS {
             progress(entry.name);
-            fitted = fit(part, fitted.hypothesis, fitted.starts, 4, base_part.judging);
+            fitted = fitted.further(part, 4);
             if fitted.promised_loss(part) < best + HOPELESS {
-                fitted = fit(
-                    part,
-                    fitted.hypothesis,
-                    fitted.starts,
-                    20,
-                    base_part.judging,
-                );
+                fitted = fitted.further(part, 20);
             }
         }
         best = best.min(fitted.loss);
@@ -354,13 +348,7 @@ impl Exploration<'_> {
             let first = entry_looks(self.part, self.base, entry, self.wrong);
             for start in first {
                 let looked = if look > 0 {
-                    fit(
-                        self.part,
-                        start.hypothesis,
-                        start.starts,
-                        look,
-                        self.base.judging,
-                    )
+                    start.further(self.part, look)
                 } else {
                     start
                 };
@@ -369,17 +357,6 @@ impl Exploration<'_> {
         }
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         starts
-    }
-
-    /// `fitted` after this many further steps.
-    fn go_on(&self, fitted: Fit, steps: usize) -> Fit {
-        fit(
-            self.part,
-            fitted.hypothesis,
-            fitted.starts,
-            steps,
-            self.base.judging,
-        )
     }
 
     /// Fits the starts that promise something and keeps the best fit of each entry.
@@ -396,10 +373,10 @@ impl Exploration<'_> {
                 !self.explained && (looked_at.len() <= FOLLOWED || entry.is_nonlinear());
             if gains && (rivals || self.wrong && unsettled) {
                 progress(entry.name);
-                fitted = self.go_on(fitted, 5);
+                fitted = fitted.further(self.part, 5);
                 if fitted.iterations >= 5 && fitted.promised_loss(self.part) < self.best + HOPELESS
                 {
-                    fitted = self.go_on(fitted, 20);
+                    fitted = fitted.further(self.part, 20);
                 }
                 self.best = self.best.min(fitted.loss);
                 self.explained |= fitted.is_explained(self.part)
@@ -453,12 +430,12 @@ pub fn fit_entry(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
     let (close, from) = close_up(data, &base.hypothesis);
     let best = entry_looks(&close, &from, entry, true)
         .into_iter()
-        .map(|look| fit(&close, look.hypothesis, look.starts, 2, from.judging))
+        .map(|look| look.further(&close, 2))
         .map(|look| (look.promised_loss(&close), look))
         .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, look)| fit(&close, look.hypothesis, look.starts, 20, from.judging))?;
+        .map(|(_, look)| look.further(&close, 20))?;
     let look = first_look(data, best.hypothesis, base, true);
-    Some(fit(data, look.hypothesis, look.starts, 25, base.judging))
+    Some(look.further(data, 25))
 }
 
 /// A part of the records cut into short windows, and `hypothesis` fitted to it.

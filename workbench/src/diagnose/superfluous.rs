@@ -3,7 +3,7 @@
 use super::data::Data;
 use super::fit::Fit;
 use super::gain::{LEAST_GAIN, folds, gain};
-use super::law_fits::refit_with;
+use super::law_fits::{refit_with, refit_without};
 use super::rounds::Rounds;
 
 impl Rounds {
@@ -32,15 +32,26 @@ impl Rounds {
         if !self.may_do_much(&others) {
             return None;
         }
-        let rest = others.iter().try_fold(self.base.clone(), |fitted, name| {
-            refit_with(data, &fitted, name)
-        })?;
+        let is_enough = |rest: &Fit| self.explains_no_more_than(data, rest);
+        refit_without(data, &self.base, &others, &self.current)
+            .filter(is_enough)
+            .or_else(|| {
+                others
+                    .iter()
+                    .try_fold(self.base.clone(), |fitted, name| {
+                        refit_with(data, &fitted, name)
+                    })
+                    .filter(is_enough)
+            })
+    }
+
+    /// Whether the model with all effects gains nothing that counts over `rest`.
+    fn explains_no_more_than(&self, data: &Data, rest: &Fit) -> bool {
         let folds = folds(data);
         let losses = rest.held_out_losses(data, &folds);
         let lost = gain(&losses, &self.current.held_out_losses(data, &folds));
         let by_chance = lost.total < 3.0 * LEAST_GAIN || lost.without_best < LEAST_GAIN;
-        let superfluous = lost.total < LEAST_GAIN || lost.interval95[0] < 0.0 && by_chance;
-        superfluous.then_some(rest)
+        lost.total < LEAST_GAIN || lost.interval95[0] < 0.0 && by_chance
     }
 
     /// Whether `others` may explain what all effects do together: where it is one, as far as its gain on top of the analyst's
