@@ -98,9 +98,10 @@ impl Rounds {
                 rounds.current = better;
                 if !explains_still {
                     let look = round > 0 && jumps(&rounds.current);
+                    let nothing_is_left = rounds.nothing_is_left(data, look);
                     // What shows so little of it leads to nothing that would be added.
                     let is_little = round > 0 && accepted.is_none() && gain < least_gain;
-                    if is_little || rounds.nothing_is_left(data, look) {
+                    if nothing_is_left || is_little {
                         break;
                     }
                     continue;
