@@ -208,13 +208,7 @@ fn initial_states_of_every_law_and_both_rigs() {
         for full in [false, true] {
             let rig = common::rig(full, law, "");
             let (start, used) = (moving(full, law.0), if full { 7 } else { 5 });
-            let mut lifted = start.map(|x| Dual {
-                value: x,
-                derivative: [0.0; 7],
-            });
-            for (place, x) in lifted.iter_mut().enumerate().take(used) {
-                x.derivative[place] = 1.0;
-            }
+            let lifted = seeded::<7>(start, used);
             let options = common::options(1e-13);
             let inputs = inputs(&rig).lift();
             let mut run =
@@ -243,15 +237,16 @@ fn varied(rig: &Rig<f64>, start: RigState<f64>) -> Simulation<Dual<5>, Rig<Dual<
         rig.lift(),
         common::options(1e-6),
         0.0,
-        seeded(start),
+        seeded(start, 5),
         inputs,
     )
     .unwrap()
 }
 
-fn seeded(start: RigState<f64>) -> RigState<Dual<5>> {
-    let mut lifted: RigState<Dual<5>> = start.map(Dual::constant);
-    for (place, x) in lifted.iter_mut().enumerate().take(5) {
+/// `start` with the derivatives of its first `used` components by themselves.
+fn seeded<const N: usize>(start: RigState<f64>, used: usize) -> RigState<Dual<N>> {
+    let mut lifted: RigState<Dual<N>> = start.map(Dual::constant);
+    for (place, x) in lifted.iter_mut().enumerate().take(used) {
         x.derivative[place] = 1.0;
     }
     lifted
@@ -278,7 +273,7 @@ fn a_run_started_over_is_a_new_one_to_the_last_bit() {
         again.set_inputs(0.7, released).unwrap();
         again.advance_to(1.9).unwrap();
         again
-            .start_over(0.0, seeded(start), inputs(&rig).lift())
+            .start_over(0.0, seeded(start, 5), inputs(&rig).lift())
             .unwrap();
         again.advance_to(END).unwrap();
         assert_eq!(

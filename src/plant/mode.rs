@@ -13,6 +13,20 @@ pub enum Coupling {
     Behind,
 }
 
+impl Coupling {
+    /// The side on which a coupling with this twist θ2 − θ3 and dead band, both in rad, is.
+    pub(super) fn at(twist: f64, gap: f64) -> Self {
+        let half = 0.5 * gap;
+        if twist > half {
+            Self::Ahead
+        } else if twist < -half {
+            Self::Behind
+        } else {
+            Self::Free
+        }
+    }
+}
+
 /// The places where surfaces rub.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contact {

@@ -336,7 +336,12 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
             disc: ContactMode::Stuck,
             disc1: ContactMode::Stuck,
             motor: ContactMode::Stuck,
-            coupling: self.initial_coupling(state),
+            coupling: match &self.effects.backlash {
+                Some(backlash) => {
+                    Coupling::at((state[THETA] - state[THETA3]).value(), backlash.gap.value())
+                }
+                None => Coupling::Ahead,
+            },
             near: [0.0; 2],
             folded: [false; 2],
         };
@@ -472,23 +477,6 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
             });
         }
         text
-    }
-}
-
-impl<S: Scalar> Rig<S> {
-    fn initial_coupling(&self, state: &RigState<S>) -> Coupling {
-        let Some(backlash) = &self.effects.backlash else {
-            return Coupling::Ahead;
-        };
-        let twist = (state[THETA] - state[THETA3]).value();
-        let half = 0.5 * backlash.gap.value();
-        if twist > half {
-            Coupling::Ahead
-        } else if twist < -half {
-            Coupling::Behind
-        } else {
-            Coupling::Free
-        }
     }
 }
 

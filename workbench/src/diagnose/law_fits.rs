@@ -69,16 +69,16 @@ pub fn fit_named(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
         .iter()
         .find(|law| law.limit().is_some_and(|(name, _)| name == entry.name))
         .and_then(|law| fit_entry(data, base, law))
-        .and_then(|law| limit_from_law(data, base, entry, &law));
+        .and_then(|law| fit_from_numbers(data, base, &[entry.name], &law));
     match (own, from_law) {
         (Some(own), Some(from_law)) if from_law.loss < own.loss => Some(from_law),
         (own, _) => own,
     }
 }
 
-/// The fit of the effects `names` on top of `base` that goes out from the numbers of `fitted`, which has more effects; `None`
+/// The fit of the effects `names` on top of `base` that goes out from the numbers of `fitted`, which has other effects; `None`
 /// where one of them makes no sense.
-pub fn refit_without(data: &Data, base: &Fit, names: &[&str], fitted: &Fit) -> Option<Fit> {
+pub fn fit_from_numbers(data: &Data, base: &Fit, names: &[&str], fitted: &Fit) -> Option<Fit> {
     let mut hypothesis = names
         .iter()
         .try_fold(base.hypothesis.clone(), |on_top_of, name| {
@@ -120,13 +120,6 @@ pub fn with_costly_law_last(data: &Data, base: &Fit, names: &[&str], fitted: Fit
     }
 }
 
-/// The fit of a law's limit that goes out from the numbers of the law's fit; `None` where it makes no sense on top of `base`.
-fn limit_from_law(data: &Data, base: &Fit, limit: &Entry, law: &Fit) -> Option<Fit> {
-    let mut hypothesis = limit.starts(&base.hypothesis, true).into_iter().next()?;
-    hypothesis.take_over(&law.hypothesis);
-    Some(fit(data, hypothesis, law.starts.clone(), 25, law.judging))
-}
-
 /// The fits with that of a law's limit anew, from the numbers of the law, where it has none or its own gains so much less that it
 /// may have got stuck; `None` where that finds nothing better.
 pub fn limits_from_laws(
@@ -152,7 +145,7 @@ pub fn limits_from_laws(
             continue;
         }
         progress(limit.name);
-        let Some(anew) = limit_from_law(data, base, limit, &law.fit) else {
+        let Some(anew) = fit_from_numbers(data, base, &[limit.name], &law.fit) else {
             continue;
         };
         match at {

@@ -3,7 +3,7 @@
 use super::data::Data;
 use super::fit::Fit;
 use super::gain::{LEAST_GAIN, folds, gain};
-use super::law_fits::{refit_with, refit_without};
+use super::law_fits::{fit_from_numbers, refit_with};
 use super::rounds::Rounds;
 
 impl Rounds {
@@ -33,7 +33,7 @@ impl Rounds {
             return None;
         }
         let is_enough = |rest: &Fit| self.explains_no_more_than(data, rest);
-        refit_without(data, &self.base, &others, &self.current)
+        fit_from_numbers(data, &self.base, &others, &self.current)
             .filter(is_enough)
             .or_else(|| {
                 others
