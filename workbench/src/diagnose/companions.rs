@@ -3,11 +3,12 @@
 //! windows, with friction that fluctuates no more than real contacts do, is therefore fitted first, and the law on top of that.
 
 use super::catalogue::{CATALOGUE, Entry, entry};
+use super::close_up::{CloseUp, close_up};
 use super::data::Data;
 use super::fit::Fit;
 use super::law_fits::fit_named;
 use super::left::ROUGHNESS;
-use super::search::{WRONG, close_up, entry_looks};
+use super::search::{WRONG, entry_looks};
 
 /// Most effects that are tried beside the law.
 const MOST_COMPANIONS: usize = 2;
@@ -32,11 +33,13 @@ pub fn companions(
         return Vec::new();
     }
     let smooth = data.with_roughness_up_to(ROUGHNESS);
+    let analysts = CloseUp::of(&smooth, base);
     let mut both: Vec<(&'static Entry, Fit)> = Vec::new();
     for other in most_promising(&smooth, with_law, without, progress) {
         progress(other.name);
-        let first = fit_named(&smooth, base, other);
-        let Some(fitted) = first.and_then(|first| fit_named(&smooth, &first, law)) else {
+        let first = fit_named(&analysts, other);
+        let after_it = first.and_then(|first| fit_named(&CloseUp::of(&smooth, &first), law));
+        let Some(fitted) = after_it else {
             continue;
         };
         let is_enough = fitted.is_explained(data);

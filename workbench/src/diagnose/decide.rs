@@ -2,6 +2,7 @@
 
 use super::breakaway::{Breakaways, STICTION};
 use super::catalogue::entry;
+use super::close_up::close_up;
 use super::data::Data;
 use super::fit::{Fit, fit};
 use super::gain::LEAST_GAIN;
@@ -9,7 +10,7 @@ use super::hypothesis::{Estimate, Hypothesis};
 use super::restated::refitting_closes_a_gap;
 use super::robust::Robust;
 use super::rounds::Rounds;
-use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, close_up};
+use super::search::{LITTLE_ROUGHNESS, Tried, WRONG};
 use super::structure::{Structure, structures};
 
 /// Share of the most that an effect gained from which on another one may have been the one to begin with.

@@ -3,6 +3,7 @@
 use super::amend::{AmendError, NOT_APPLICABLE};
 use super::breakaway::{Breakaways, STICTION};
 use super::catalogue::entry;
+use super::close_up::CloseUp;
 use super::data::Data;
 use super::decide::fit_base;
 use super::fit::Fit;
@@ -62,11 +63,10 @@ fn fit_each(
             forced.data = breakaways.told;
             continue;
         }
-        forced.fit = fit_named(&forced.data, &forced.fit, entry).ok_or_else(|| {
-            AmendError::NotApplicable {
-                effect: name.clone(),
-                reason: NOT_APPLICABLE,
-            }
+        let close_up = CloseUp::of(&forced.data, &forced.fit);
+        forced.fit = fit_named(&close_up, entry).ok_or_else(|| AmendError::NotApplicable {
+            effect: name.clone(),
+            reason: NOT_APPLICABLE,
         })?;
     }
     Ok(forced)

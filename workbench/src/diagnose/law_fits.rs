@@ -1,9 +1,10 @@
 //! Friction laws whose fits small steps from the analyst's model do not reach.
 
 use super::catalogue::{CATALOGUE, Entry, entry};
+use super::close_up::CloseUp;
 use super::data::Data;
 use super::fit::{Fit, fit};
-use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, fit_entry, keep_better};
+use super::search::{LITTLE_ROUGHNESS, Tried, WRONG, keep_better};
 
 /// Share of a law's gain below which the fit of its limit may have got stuck.
 const STUCK: f64 = 0.5;
@@ -14,11 +15,16 @@ const NEARLY_AS_GOOD: f64 = 0.05;
 
 /// A law with many free numbers whose fit has got stuck is fitted once more, over short windows to the end: friction that
 /// fluctuates throws windows of the usual length from branch to branch until its numbers are nearly right.
-pub fn better_from_short_windows(data: &Data, base: &Fit, entry: &Entry, fitted: Fit) -> Fit {
+pub fn better_from_short_windows(
+    data: &Data,
+    close_up: &CloseUp<'_>,
+    entry: &Entry,
+    fitted: Fit,
+) -> Fit {
     if !entry.is_costly() || fitted.typical_misfit(data) < WRONG {
         return fitted;
     }
-    let Some(anew) = fit_entry(data, base, entry) else {
+    let Some(anew) = close_up.fit_entry(entry) else {
         return fitted;
     };
     let nearer = anew.typical_misfit(data) < fitted.typical_misfit(data)
@@ -36,6 +42,7 @@ pub fn better_from_short_windows(data: &Data, base: &Fit, entry: &Entry, fitted:
 pub fn fit_laws_from_far(
     data: &Data,
     base: &Fit,
+    close_up: &CloseUp<'_>,
     without: &[String],
     whole: &mut Vec<(&'static Entry, Fit)>,
     progress: &mut dyn FnMut(&str),
@@ -54,7 +61,7 @@ pub fn fit_laws_from_far(
         .filter(|entry| !without.iter().any(|name| name == entry.name));
     for law in laws {
         progress(law.name);
-        let Some(fitted) = fit_entry(data, base, law) else {
+        let Some(fitted) = close_up.fit_entry(law) else {
             continue;
         };
         keep_better(whole, law, fitted);
@@ -63,12 +70,13 @@ pub fn fit_laws_from_far(
 
 /// The best fit of an effect that is known: that from short windows or, for the limit of a law, that from the law's numbers,
 /// since short windows may not hold what the limit adds.
-pub fn fit_named(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
-    let own = fit_entry(data, base, entry);
+pub fn fit_named(close_up: &CloseUp<'_>, entry: &Entry) -> Option<Fit> {
+    let (data, base) = (close_up.data, close_up.base);
+    let own = close_up.fit_entry(entry);
     let from_law = CATALOGUE
         .iter()
         .find(|law| law.limit().is_some_and(|(name, _)| name == entry.name))
-        .and_then(|law| fit_entry(data, base, law))
+        .and_then(|law| close_up.fit_entry(law))
         .and_then(|law| fit_from_numbers(data, base, &[entry.name], &law));
     match (own, from_law) {
         (Some(own), Some(from_law)) if from_law.loss < own.loss => Some(from_law),
@@ -91,7 +99,7 @@ pub fn fit_from_numbers(data: &Data, base: &Fit, names: &[&str], fitted: &Fit) -
 
 /// The best fit of one named effect on top of `base`.
 pub fn refit_with(data: &Data, base: &Fit, name: &str) -> Option<Fit> {
-    fit_named(data, base, entry(name)?)
+    fit_named(&CloseUp::of(data, base), entry(name)?)
 }
 
 /// `fitted`, or the fit of the same effects on top of `base` with a law of many free numbers fitted last if that is better:
@@ -112,7 +120,7 @@ pub fn with_costly_law_last(data: &Data, base: &Fit, names: &[&str], fitted: Fit
         .into_iter()
         .chain(laws)
         .try_fold(base.clone(), |on_top_of, entry| {
-            fit_named(data, &on_top_of, entry)
+            fit_named(&CloseUp::of(data, &on_top_of), entry)
         });
     match anew {
         Some(anew) if anew.loss < fitted.loss => anew,

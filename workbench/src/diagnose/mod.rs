@@ -10,6 +10,7 @@ pub mod bristle_start;
 pub mod case;
 pub mod catalogue;
 mod certainty;
+mod close_up;
 pub mod command;
 mod companions;
 pub mod console;

@@ -1,13 +1,12 @@
 //! Trying every effect of the catalogue on top of a fitted hypothesis.
 
 use super::catalogue::{CATALOGUE, Entry, entry};
+use super::close_up::CloseUp;
 use super::data::Data;
 use super::fit::{Fit, fit};
 use super::gain::{folds, gain};
 use super::hypothesis::Hypothesis;
 use super::law_fits::{better_from_short_windows, fit_laws_from_far, limits_from_laws};
-use super::robust::Robust;
-use super::window::SHORT;
 use std::cmp::Ordering;
 
 /// A catalogue entry fitted on top of a base.
@@ -78,8 +77,6 @@ pub const WRONG: f64 = 1.1;
 const THINNING: usize = 3;
 /// Windows below which none are left out.
 const ENOUGH_WINDOWS: usize = 60;
-/// Short windows that are enough under a law with branches, where every start is followed.
-const ENOUGH_SHORT_WINDOWS: usize = 150;
 /// Relative friction disturbance above which friction counts as fluctuating.
 pub const LITTLE_ROUGHNESS: f64 = 0.02;
 /// Loss above the best, on the thinned windows, by which a fit in progress is given up.
@@ -131,8 +128,9 @@ pub fn try_all(
     let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning).collect();
     let part = data.part(&kept);
     let base_part = base.part(&part, &kept).judged_by_itself(&part);
+    let close_up = CloseUp::of(data, base);
     let explored = if wrong {
-        explore_closely(data, &part, &base_part, without, progress)
+        explore_closely(&close_up, &part, &base_part, without, progress)
     } else {
         explore(&part, &base_part, without, wrong, progress)
     };
@@ -162,7 +160,10 @@ pub fn try_all(
             progress(entry.name);
             let look = first_look(data, found.hypothesis, base, wrong);
             let fitted = look.further(data, 25);
-            whole.push((entry, better_from_short_windows(data, base, entry, fitted)));
+            whole.push((
+                entry,
+                better_from_short_windows(data, &close_up, entry, fitted),
+            ));
         } else {
             on_part.push((entry, found));
         }
@@ -186,7 +187,7 @@ pub fn try_all(
             left.push(hopeful);
         }
     }
-    fit_laws_from_far(data, base, without, &mut whole, progress);
+    fit_laws_from_far(data, base, &close_up, without, &mut whole, progress);
     for (entry, fitted) in known {
         keep_better(&mut whole, entry, fitted);
     }
@@ -249,14 +250,14 @@ fn compared(data: &Data, base: Fit, fits: Vec<(&'static Entry, Fit)>, scale: f64
 /// The best fit of each entry on a part of the windows, best first. The base is so wrong that windows of the usual
 /// length go astray, so that the effects are fitted over short ones first.
 fn explore_closely(
-    data: &Data,
+    close_up: &CloseUp<'_>,
     part: &Data,
     base_part: &Fit,
     without: &[String],
     progress: &mut dyn FnMut(&str),
 ) -> Vec<(&'static Entry, Fit)> {
-    let (close, base) = close_up(data, &base_part.hypothesis);
-    let explored = explore(&close, &base, without, true, progress);
+    let (close, base) = close_up.fitted();
+    let explored = explore(close, base, without, true, progress);
     let nearest = explored.first().map_or(base.loss, |(_, fit)| fit.loss);
     let mut best = base_part.loss;
     let mut found: Vec<(&'static Entry, Fit)> = Vec::new();
@@ -424,40 +425,6 @@ fn most_promising(part: &Data, base: &Fit, starts: Vec<Hypothesis>) -> Vec<Hypot
     looked.into_iter().map(|(_, start)| start).collect()
 }
 
-/// The best fit of one entry on top of `base`: every start is looked at on a part of short windows, the best is fitted
-/// there and then to all windows of the usual length. `None` where the effect makes no sense.
-pub fn fit_entry(data: &Data, base: &Fit, entry: &Entry) -> Option<Fit> {
-    let (close, from) = close_up(data, &base.hypothesis);
-    let best = entry_looks(&close, &from, entry, true)
-        .into_iter()
-        .map(|look| look.further(&close, 2))
-        .map(|look| (look.promised_loss(&close), look))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, look)| look.further(&close, 20))?;
-    let look = first_look(data, best.hypothesis, base, true);
-    Some(look.further(data, 25))
-}
-
-/// A part of the records cut into short windows, and `hypothesis` fitted to it.
-pub fn close_up(data: &Data, hypothesis: &Hypothesis) -> (Data, Fit) {
-    let close = data.recut(SHORT);
-    let mut every = thinning(&close);
-    if hypothesis.rig.law.has_branches() {
-        every = every.max(close.windows.len() / ENOUGH_SHORT_WINDOWS);
-    }
-    let kept: Vec<usize> = (0..close.windows.len()).step_by(every).collect();
-    let close = close.part(&kept);
-    let fitted = fit(
-        &close,
-        hypothesis.clone(),
-        close.anchors(),
-        15,
-        Robust::JUDGING,
-    )
-    .judged_by_itself(&close);
-    (close, fitted)
-}
-
 /// Decrease of the loss on the thinned windows that an effect on top of `base` must bring.
 fn least_promise(base: &Fit) -> f64 {
     if base.hypothesis.effects.is_empty() {
@@ -467,7 +434,8 @@ fn least_promise(base: &Fit) -> f64 {
     }
 }
 
-fn thinning(data: &Data) -> usize {
+/// Every so-manieth window is enough for a first look at `data`.
+pub fn thinning(data: &Data) -> usize {
     if data.windows.len() > ENOUGH_WINDOWS {
         THINNING
     } else {
