@@ -7,6 +7,8 @@ use clap::Parser;
 use workbench::cli::{self, Cli, Outcome};
 
 fn main() -> ExitCode {
+    // A reader such as `head` that has seen enough is no error.
+    sigpipe::reset();
     match cli::run(&Cli::parse()) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),

@@ -5,7 +5,7 @@
 )]
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use workbench::files::record::Record;
 
@@ -259,4 +259,19 @@ fn info_tells_law_parameters_and_their_sources() {
     ] {
         assert!(said.contains(part), "{part} is missing in\n{said}");
     }
+}
+
+#[test]
+fn a_reader_that_has_gone_is_no_panic() {
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let output = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .arg("effects")
+        .stdout(writer)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+        .wait_with_output()
+        .unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }

@@ -150,6 +150,8 @@ impl From<Version> for FmiVersion {
 }
 
 fn main() -> ExitCode {
+    // A reader such as `head` that has seen enough is no error.
+    sigpipe::reset();
     let arguments = Arguments::parse();
     let outcome = match &arguments.command {
         Some(Command::Check { fmus, no_load }) => check(fmus, *no_load),

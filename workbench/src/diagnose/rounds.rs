@@ -3,7 +3,7 @@
 use std::mem;
 
 use super::breakaway::{Breakaways, STICTION};
-use super::catalogue::Entry;
+use super::catalogue::{Entry, entry};
 use super::companions::companions;
 use super::data::Data;
 use super::fit::Fit;
@@ -198,17 +198,21 @@ impl Rounds {
     /// The effect to add, if any of `tried` gains `least_gain` surely.
     fn accepted<'a>(&self, data: &Data, tried: &'a [Tried], least_gain: f64) -> Option<&'a Tried> {
         let is_first = self.additions.is_empty();
-        // Clean records never gain as much in all; on top of another effect, what that one leaves may.
-        let elsewhere = if is_first {
-            LEAST_GAIN
-        } else {
-            2.0 * least_gain
+        // Clean records never gain as much in all. Where friction fluctuates, or on top of another effect, what else is in the
+        // records may; but sticking friction shows in few windows only.
+        let elsewhere = |best: &Tried| {
+            let is_law = entry(best.name).is_some_and(Entry::is_law);
+            match (is_first, is_law) {
+                (true, true) => LEAST_GAIN,
+                (true, false) => least_gain,
+                (false, _) => 2.0 * least_gain,
+            }
         };
         let best = tried
             .iter()
             .filter(|t| t.is_finalist)
             .find(|t| counts(data, t))
-            .filter(|best| best.gains_surely(least_gain, elsewhere))?;
+            .filter(|best| best.gains_surely(least_gain, elsewhere(best)))?;
         Some(if is_first {
             best
         } else {
