@@ -15,12 +15,8 @@ const NEARLY_AS_GOOD: f64 = 0.05;
 
 /// A law with many free numbers whose fit has got stuck is fitted once more, over short windows to the end: friction that
 /// fluctuates throws windows of the usual length from branch to branch until its numbers are nearly right.
-pub fn better_from_short_windows(
-    data: &Data,
-    close_up: &CloseUp<'_>,
-    entry: &Entry,
-    fitted: Fit,
-) -> Fit {
+pub fn better_from_short_windows(close_up: &CloseUp<'_>, entry: &Entry, fitted: Fit) -> Fit {
+    let data = close_up.data;
     if !entry.is_costly() || fitted.typical_misfit(data) < WRONG {
         return fitted;
     }
@@ -36,17 +32,16 @@ pub fn better_from_short_windows(
     }
 }
 
-/// Adds fits of the laws of few numbers that do not go out from `base`, where small steps may not lead to them: where
-/// friction fluctuates, which may stand for the peaks of a law that the base lacks, and where every fit leaves windows far
+/// Adds fits of the laws of few numbers that do not go out from the model, where small steps may not lead to them: where
+/// friction fluctuates, which may stand for the peaks of a law that the model lacks, and where every fit leaves windows far
 /// off: in a few of them the disc may break away too early, and those may not be in the part that was looked at first.
 pub fn fit_laws_from_far(
-    data: &Data,
-    base: &Fit,
     close_up: &CloseUp<'_>,
     without: &[String],
     whole: &mut Vec<(&'static Entry, Fit)>,
     progress: &mut dyn FnMut(&str),
 ) {
+    let (data, base) = (close_up.data, close_up.base);
     let explained = whole.iter().any(|(_, fitted)| fitted.is_explained(data));
     let rough = !explained && base.disturbance.relative > LITTLE_ROUGHNESS;
     let far_off = base.has_a_window_far_off(data)

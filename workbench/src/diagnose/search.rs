@@ -160,10 +160,7 @@ pub fn try_all(
             progress(entry.name);
             let look = first_look(data, found.hypothesis, base, wrong);
             let fitted = look.further(data, 25);
-            whole.push((
-                entry,
-                better_from_short_windows(data, &close_up, entry, fitted),
-            ));
+            whole.push((entry, better_from_short_windows(&close_up, entry, fitted)));
         } else {
             on_part.push((entry, found));
         }
@@ -187,7 +184,7 @@ pub fn try_all(
             left.push(hopeful);
         }
     }
-    fit_laws_from_far(data, base, &close_up, without, &mut whole, progress);
+    fit_laws_from_far(&close_up, without, &mut whole, progress);
     for (entry, fitted) in known {
         keep_better(&mut whole, entry, fitted);
     }
