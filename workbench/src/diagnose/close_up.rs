@@ -6,12 +6,19 @@ use super::data::Data;
 use super::fit::{Fit, fit};
 use super::hypothesis::Hypothesis;
 use super::robust::Robust;
-use super::search::{entry_looks, first_look, thinning};
+use super::search::{entry_looks, every_look, first_look, thinning};
 use super::window::SHORT;
 use std::cell::OnceCell;
 
 /// Short windows that are enough under a law with branches, where every start is followed.
 const ENOUGH_SHORT_WINDOWS: usize = 150;
+
+/// Steps after which it shows over short windows which start of an entry promises most.
+const LOOK: usize = 2;
+/// Steps within which a fit over short windows converges.
+const TO_THE_END: usize = 20;
+/// Starts, the most promising of all, that are followed to the end where the few of the first look have led to nothing.
+const FOLLOWED: usize = 4;
 
 /// A fitted model seen over short windows, to which it is fitted when that is first asked for.
 pub struct CloseUp<'a> {
@@ -46,12 +53,33 @@ impl<'a> CloseUp<'a> {
         let (close, from) = self.fitted();
         let best = entry_looks(close, from, entry, true)
             .into_iter()
-            .map(|look| look.further(close, 2))
+            .map(|look| look.further(close, LOOK))
             .map(|look| (look.promised_loss(close), look))
             .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, look)| look.further(close, 20))?;
-        let look = first_look(self.data, best.hypothesis, self.base, true);
-        Some(look.further(self.data, 25))
+            .map(|(_, look)| look.further(close, TO_THE_END))?;
+        Some(self.fit_from(best))
+    }
+
+    /// The same with no start left out: the most promising are all followed to the end.
+    pub fn fit_entry_from_every_start(&self, entry: &Entry) -> Option<Fit> {
+        let (close, from) = self.fitted();
+        let mut looked: Vec<(f64, Fit)> = every_look(close, from, entry)
+            .into_iter()
+            .map(|look| look.further(close, LOOK))
+            .map(|look| (look.promised_loss(close), look))
+            .collect();
+        looked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let best = looked
+            .into_iter()
+            .take(FOLLOWED)
+            .map(|(_, look)| look.further(close, TO_THE_END))
+            .min_by(|a, b| a.loss.total_cmp(&b.loss))?;
+        Some(self.fit_from(best))
+    }
+
+    /// A fit over short windows, carried on over all windows of the usual length.
+    fn fit_from(&self, close_fit: Fit) -> Fit {
+        first_look(self.data, close_fit.hypothesis, self.base, true).further(self.data, 25)
     }
 }
 

@@ -1,8 +1,8 @@
 //! From gains to a verdict.
 
 use super::breakaway::{Breakaways, STICTION};
-use super::catalogue::entry;
-use super::close_up::close_up;
+use super::catalogue::{Entry, entry};
+use super::close_up::{CloseUp, close_up};
 use super::data::Data;
 use super::fit::{Fit, fit};
 use super::gain::LEAST_GAIN;
@@ -15,6 +15,9 @@ use super::structure::{Structure, structures};
 
 /// Share of the most that an effect gained from which on another one may have been the one to begin with.
 const NEARLY_FIRST: f64 = 0.9;
+
+/// Share of the loss of a law's fit that it must leave at most when fitted from every start to count as another one.
+const ANOTHER_FIT: f64 = 0.9;
 
 /// What the records say about the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,8 +97,19 @@ pub enum Progress<'a> {
     Locating,
     /// Friction fluctuates and the disc breaks away above what it slides at: all is tried once more with that.
     Breakaways,
+    /// Nothing explains the records, and the fit of this law may have got stuck: it is fitted once more, from every start.
+    EveryStart(&'a str),
     /// Nothing explains the records, and this effect may be a stand-in: all is tried once more without it.
     Without(&'a str),
+}
+
+/// What may have gone wrong where nothing has been found that explains the records.
+#[derive(Default)]
+struct Doubt {
+    /// A law of many numbers that did nearly most on top of the analyst's model, with its fit: it may have got stuck.
+    law: Option<(&'static Entry, Fit)>,
+    /// The effect that may be a stand-in.
+    stand_in: Option<&'static str>,
 }
 
 /// Steps after which it is known whether the analyst's model is far from explaining the records.
@@ -138,7 +152,8 @@ pub fn fit_base(data: &Data, hypothesis: Hypothesis) -> Fit {
 ///
 /// Where friction fluctuates, breakaways may tell of stiction that the rest of the records does not show.
 ///
-/// Where nothing explains the records, an effect may have been a stand-in: the one whose numbers are not certain although nothing
+/// Where nothing explains the records, the fit of a law of many numbers may have got stuck; it is fitted from every start then. Or
+/// an effect may have been a stand-in: the one whose numbers are not certain although nothing
 /// is left, or the one that did most on top of the analyst's model although another did nearly as much. What is found without it
 /// then counts if it explains them.
 pub fn diagnose(
@@ -151,7 +166,7 @@ pub fn diagnose(
     let base = fit_base(data, hypothesis);
     progress(Progress::Locating);
     let structure = structures(data, &base);
-    let (found, stand_in) = explain(data, &base, None, &structure, without, progress);
+    let (found, doubt) = explain(data, &base, None, None, &structure, without, progress);
     let may_be_stiction = found.amended.disturbance.relative > LITTLE_ROUGHNESS
         && !without.iter().any(|name| name == STICTION);
     if may_be_stiction && let Some(breakaways) = Breakaways::above_sliding(data, &base) {
@@ -161,6 +176,7 @@ pub fn diagnose(
             told,
             &base,
             Some(&breakaways),
+            None,
             &structure,
             without,
             progress,
@@ -169,13 +185,26 @@ pub fn diagnose(
             return anew;
         }
     }
-    let Some(stand_in) = stand_in else {
+    if let Some((law, stuck)) = doubt.law {
+        progress(Progress::EveryStart(law.name));
+        let another = CloseUp::of(data, &base)
+            .fit_entry_from_every_start(law)
+            .filter(|another| another.loss < ANOTHER_FIT * stuck.loss);
+        if let Some(another) = another {
+            let known = Some((law, another));
+            let (anew, _) = explain(data, &base, None, known, &structure, without, progress);
+            if anew.verdict == Verdict::Named || anew.verdict == Verdict::Ambiguous {
+                return with_the_rest_of(anew, found.ranking);
+            }
+        }
+    }
+    let Some(stand_in) = doubt.stand_in else {
         return found;
     };
     progress(Progress::Without(stand_in));
     let mut without = without.to_vec();
     without.push(stand_in.to_owned());
-    let (other, _) = explain(data, &base, None, &structure, &without, progress);
+    let (other, _) = explain(data, &base, None, None, &structure, &without, progress);
     match other.verdict {
         Verdict::Named | Verdict::Ambiguous => Diagnosis {
             ranking: found.ranking,
@@ -185,18 +214,35 @@ pub fn diagnose(
     }
 }
 
-/// What `base`, fitted to the records, needs to explain them, and where that has not been found the effect that may be a stand-in.
+/// The finding with the lines of an earlier `ranking` below its own.
+fn with_the_rest_of(mut found: Diagnosis, ranking: Vec<Ranked>) -> Diagnosis {
+    for ranked in ranking {
+        if found.ranking.iter().all(|own| own.name != ranked.name) {
+            found.ranking.push(ranked);
+        }
+    }
+    found
+}
+
+/// What `base`, fitted to the records, needs to explain them, and where that has not been found what may have gone wrong.
 fn explain(
     data: &Data,
     base: &Fit,
     breakaways: Option<&Breakaways>,
+    known: Option<(&'static Entry, Fit)>,
     structure: &[Structure],
     without: &[String],
     progress: &mut dyn FnMut(Progress<'_>),
-) -> (Diagnosis, Option<&'static str>) {
-    let mut rounds = Rounds::of(data, base, breakaways, without, &mut |name, round| {
-        progress(Progress::Trying { name, round })
-    });
+) -> (Diagnosis, Doubt) {
+    let known = known.into_iter().collect();
+    let mut rounds = Rounds::of(
+        data,
+        base,
+        breakaways,
+        known,
+        without,
+        &mut |name, round| progress(Progress::Trying { name, round }),
+    );
     rounds.drop_superfluous(data);
     progress(Progress::Locating);
     let left = rounds.what_is_left(data, structure);
@@ -237,10 +283,16 @@ fn explain(
             estimates: belonging(addition.name, &added),
         })
         .collect();
-    let stand_in = uncertain
-        .filter(|_| !left.counts)
-        .or_else(|| first_by_little(&ranking))
-        .filter(|_| verdict == Verdict::NotInCatalogue);
+    let doubt = if verdict == Verdict::NotInCatalogue {
+        Doubt {
+            law: law_nearly_first(&ranking),
+            stand_in: uncertain
+                .filter(|_| !left.counts)
+                .or_else(|| first_by_little(&ranking)),
+        }
+    } else {
+        Doubt::default()
+    };
     let ranking = ranking
         .iter()
         .map(|t| Ranked {
@@ -265,7 +317,17 @@ fn explain(
         amended: current,
         data: data.clone(),
     };
-    (diagnosis, stand_in)
+    (diagnosis, doubt)
+}
+
+/// The law of many numbers that gained most on top of the analyst's model or nearly so.
+fn law_nearly_first(ranking: &[Tried]) -> Option<(&'static Entry, Fit)> {
+    let most = ranking.iter().map(|t| t.gain).fold(LEAST_GAIN, f64::max);
+    ranking
+        .iter()
+        .filter(|t| t.gain > NEARLY_FIRST * most)
+        .filter_map(|t| Some((entry(t.name)?, t.fit.clone())))
+        .find(|(entry, _)| entry.is_costly())
 }
 
 /// What gained most on top of the analyst's model, if another effect gained nearly as much.

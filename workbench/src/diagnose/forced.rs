@@ -2,7 +2,7 @@
 
 use super::amend::{AmendError, NOT_APPLICABLE};
 use super::breakaway::{Breakaways, STICTION};
-use super::catalogue::entry;
+use super::catalogue::{Entry, entry};
 use super::close_up::CloseUp;
 use super::data::Data;
 use super::decide::fit_base;
@@ -64,10 +64,22 @@ fn fit_each(
             continue;
         }
         let close_up = CloseUp::of(&forced.data, &forced.fit);
-        forced.fit = fit_named(&close_up, entry).ok_or_else(|| AmendError::NotApplicable {
+        let fitted = fit_named(&close_up, entry).ok_or_else(|| AmendError::NotApplicable {
             effect: name.clone(),
             reason: NOT_APPLICABLE,
         })?;
+        forced.fit = not_stuck(&close_up, entry, fitted);
     }
     Ok(forced)
+}
+
+/// `fitted`, or the better one from every start where a law of many numbers does not explain the records and may have got stuck.
+fn not_stuck(close_up: &CloseUp<'_>, entry: &Entry, fitted: Fit) -> Fit {
+    if !entry.is_costly() || fitted.is_explained_but_rough(close_up.data) {
+        return fitted;
+    }
+    match close_up.fit_entry_from_every_start(entry) {
+        Some(another) if another.loss < fitted.loss => another,
+        _ => fitted,
+    }
 }

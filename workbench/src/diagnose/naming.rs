@@ -65,6 +65,9 @@ fn describe(progress: &Progress<'_>) -> String {
         Progress::Breakaways => {
             "the disc breaks away above what it slides at; once more".to_owned()
         }
+        Progress::EveryStart(name) => {
+            format!("that does not explain it; once more {name}, from every start")
+        }
         Progress::Without(name) => format!("that does not explain it; once more without {name}"),
     }
 }

@@ -52,12 +52,13 @@ pub struct Rounds {
 }
 
 impl Rounds {
-    /// Adds effects to `base`, those in `without` apart; `progress` is called with the name of each before it is tried and with
-    /// the number of those added so far.
+    /// Adds effects to `base`, those in `without` apart, with the fits of some that are `known` already; `progress` is called with
+    /// the name of each before it is tried and with the number of those added so far.
     pub fn of(
         data: &Data,
         base: &Fit,
         breakaways: Option<&Breakaways>,
+        mut known: Vec<(&'static Entry, Fit)>,
         without: &[String],
         progress: &mut dyn FnMut(&str, usize),
     ) -> Self {
@@ -69,10 +70,7 @@ impl Rounds {
             left: None,
         };
         let mut guided = false;
-        let mut known: Vec<(&'static Entry, Fit)> = breakaways
-            .map(|breakaways| breakaways.stiction.clone())
-            .into_iter()
-            .collect();
+        known.extend(breakaways.map(|breakaways| breakaways.stiction.clone()));
         while rounds.may_go_on() {
             let round = rounds.additions.len();
             let tried = if known.iter().any(|(_, both)| both.is_explained(data)) {

@@ -385,26 +385,39 @@ impl Exploration<'_> {
     }
 }
 
-/// The starts of one entry on top of `base`, looked at on the windows of `part`.
+/// The starts of one entry on top of `base`, looked at on the windows of `part`; of many only those that promise most.
 pub fn entry_looks(part: &Data, base: &Fit, entry: &Entry, wrong: bool) -> Vec<Fit> {
-    let mut starts: Vec<Hypothesis> = entry
-        .starts(&base.hypothesis, wrong)
-        .into_iter()
-        .filter(|start| start.dimension() <= super::gram::MOST_FREE)
-        .collect();
+    let mut starts = fittable_starts(base, entry, wrong);
     if entry.is_costly() {
         starts = most_promising(part, base, starts);
     }
-    let mut first: Vec<Fit> = starts
-        .into_iter()
-        .map(|start| fit(part, start, base.starts.clone(), 0, base.judging))
-        .collect();
+    let mut first = looks(part, base, starts);
     // Many starts scan a range in which only the neighbourhood of the best is worth steps.
     if first.len() > SCANNED {
         first.sort_by(|a, b| a.promised_loss(part).total_cmp(&b.promised_loss(part)));
         first.truncate(SCANNED);
     }
     first
+}
+
+/// Every start of one entry on top of `base` that is known, from far too, looked at on the windows of `part`.
+pub fn every_look(part: &Data, base: &Fit, entry: &Entry) -> Vec<Fit> {
+    looks(part, base, fittable_starts(base, entry, true))
+}
+
+fn fittable_starts(base: &Fit, entry: &Entry, wrong: bool) -> Vec<Hypothesis> {
+    entry
+        .starts(&base.hypothesis, wrong)
+        .into_iter()
+        .filter(|start| start.dimension() <= super::gram::MOST_FREE)
+        .collect()
+}
+
+fn looks(part: &Data, base: &Fit, starts: Vec<Hypothesis>) -> Vec<Fit> {
+    starts
+        .into_iter()
+        .map(|start| fit(part, start, base.starts.clone(), 0, base.judging))
+        .collect()
 }
 
 /// Of the many starts of a costly entry the few that promise most on every so-manieth window.
