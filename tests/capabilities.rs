@@ -7,7 +7,7 @@ mod importer;
 
 use importer::{Component, FULL_RIG, Fmi2, Fmi3, Instance, REDUCED_RIG, Version};
 use std::path::Path;
-use stickslip::cosim::Causality;
+use stickslip::cosim::{Causality, VariableType};
 use stickslip::ffi::Status::{Error, Ok};
 
 /// A component and a case of it.
@@ -68,7 +68,8 @@ impl Trial<'_> {
 
     fn outputs(&self) -> Vec<String> {
         let outputs = self.component.table.outputs();
-        outputs.map(|variable| variable.name.clone()).collect()
+        let real = outputs.filter(|output| output.variable_type == VariableType::Real);
+        real.map(|variable| variable.name.clone()).collect()
     }
 
     fn bits(&self, instance: &Instance<'_>) -> Vec<u64> {
@@ -139,6 +140,7 @@ fn every_claim_is_kept() {
                     ) => {
                         directional_derivatives(&trial);
                     }
+                    ("providesAdjointDerivatives", "true") => adjoint_derivatives(&trial),
                     ("mightReturnEarlyFromDoStep", "true") => returns_early(&trial),
                     ("hasEventMode", "true") => event_mode(&trial),
                     other => panic!("{other:?} is claimed and not tested"),
@@ -282,6 +284,32 @@ fn directional_derivatives(trial: &Trial<'_>) {
             }
             let together = instance.try_directional(&unknown, &knowns, &seed).unwrap();
             assert!((together - sum).abs() < 1e-12 * sum.abs().max(1.0));
+        }
+    }
+    assert!(depends > 0, "some output depends on some input");
+}
+
+/// All outputs together, with seeds of their own, against one after the other.
+fn adjoint_derivatives(trial: &Trial<'_>) {
+    let mut instance = trial.start();
+    let outputs = trial.outputs();
+    let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
+    let seed: Vec<f64> = (0..outputs.len()).map(|n| 1.0 + 0.7 * n as f64).collect();
+    let knowns: Vec<&str> = trial.subject.values.iter().map(|(name, _)| *name).collect();
+    let mut depends = 0;
+    for time in trial.subject.smooth {
+        instance.run(0.01, *time);
+        let found = instance.try_adjoint(&outputs, &knowns, &seed).unwrap();
+        for (known, found) in knowns.iter().zip(found) {
+            let terms = outputs.iter().zip(&seed);
+            let sum: f64 = terms
+                .map(|(output, seed)| seed * instance.derivative(output, known))
+                .sum();
+            assert!(
+                (found - sum).abs() <= 1e-12 * sum.abs().max(1.0),
+                "{known}: {found}, {sum}"
+            );
+            depends += usize::from(found != 0.0);
         }
     }
     assert!(depends > 0, "some output depends on some input");

@@ -12,7 +12,9 @@ use crate::binary_check::{self, Expectation};
 use crate::binary_error::BinaryError;
 use crate::contents::{ContentsError, contents};
 use crate::library::Library;
-use crate::model_description::{Facts, XmlError, model_description};
+use crate::model_description::{
+    DateError, Facts, SOURCE_DATE_EPOCH, XmlError, generation_date, model_description,
+};
 use crate::platform::{FmiVersion, Platform};
 
 /// Why an FMU could not be built.
@@ -43,6 +45,9 @@ pub enum BuildError {
         /// Place and reason.
         source: Box<toml::de::Error>,
     },
+    /// The date that is asked for is none.
+    #[error(transparent)]
+    Date(#[from] DateError),
     /// The library must not be packed.
     #[error(transparent)]
     Binary(#[from] BinaryError),
@@ -63,6 +68,7 @@ pub struct Source {
     parsed: toml::Table,
     model: Box<dyn CoSimulationModel>,
     token: String,
+    generated: Option<String>,
 }
 
 /// An FMU that was written.
@@ -103,11 +109,15 @@ impl Source {
             source: Box::new(source),
         })?;
         let token = model.token().to_string();
+        let epoch = std::env::var_os(SOURCE_DATE_EPOCH);
+        let epoch = epoch.map(|text| text.to_string_lossy().into_owned());
+        let generated = generation_date(epoch.as_deref())?;
         Ok(Self {
             text,
             parsed,
             model,
             token,
+            generated,
         })
     }
 
@@ -117,6 +127,7 @@ impl Source {
             identity: self.model.identity(),
             token: &self.token,
             table: self.model.table(),
+            generated: self.generated.as_deref(),
         }
     }
 

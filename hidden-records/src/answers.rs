@@ -27,4 +27,17 @@ pub struct Answer {
     pub effects: BTreeMap<String, f64>,
     /// True over believed parameter; `mu` is the friction level.
     pub parameter_ratio: BTreeMap<String, f64>,
+    /// On the full rig: the disc the effect sits on, `disc1` or `disc2`; the shaft between the discs
+    /// belongs to `disc1`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// The same of several effects, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub places: BTreeMap<String, String>,
+    /// The true instruments where nobody knows them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<BTreeMap<String, f64>>,
+    /// What the rig is and does, on rigs that were drawn.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub facts: BTreeMap<String, f64>,
 }

@@ -2,10 +2,12 @@
 
 use crate::answers::{Answer, Answers};
 use crate::error::{MakerError, at};
-use crate::instruments::{Noise, record_csv};
+use crate::excitation::SAMPLE_INTERVAL;
+use crate::instruments::{Instruments, Noise, record_csv};
 use crate::law::ContactLaw;
-use crate::plan::PlannedCase;
+use crate::plan::{Measured, PlannedCase};
 use crate::random::{Purpose, Stream};
+use crate::records::Recording;
 use crate::rig::NOMINAL;
 use crate::simulator::{Simulator, State};
 use std::fs;
@@ -13,14 +15,36 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+/// A case that can be made.
+pub trait Case: Sync {
+    /// Directory name.
+    fn name(&self) -> &str;
+    /// Draws and simulates it.
+    ///
+    /// # Errors
+    /// A simulation diverges, or no draw makes a case.
+    fn make(&self) -> Result<MadeCase, MakerError>;
+}
+
+/// A case in memory.
+pub struct MadeCase {
+    /// Names and contents of its files.
+    pub files: Vec<(String, String)>,
+    /// The true `sensors.toml` where the case must not have it.
+    pub true_sensors: Option<String>,
+    /// What was hidden.
+    pub answer: Answer,
+}
+
 /// Makes all `cases` under `directory` on `threads` threads, then writes `ANSWERS.json`.
-/// `on_case` is called after each finished case.
+/// `on_case` is called after each finished case. True instruments that a case must not have go to
+/// `true-sensors/<case>/sensors.true.toml`.
 ///
 /// # Errors
-/// The directory holds something already, a file cannot be written, or a simulation diverges.
-pub fn make_cases(
+/// The directory holds something already, a file cannot be written, or a case cannot be made.
+pub fn make_cases<C: Case>(
     directory: &Path,
-    cases: &[PlannedCase],
+    cases: &[C],
     threads: usize,
     on_case: &(dyn Fn() + Sync),
 ) -> Result<(), MakerError> {
@@ -33,10 +57,10 @@ pub fn make_cases(
     let results: Mutex<Vec<(String, Result<Answer, MakerError>)>> = Mutex::default();
     let worker = || {
         while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let result = make_case(directory, case);
+            let result = write_case(directory, case);
             let failed = result.is_err();
             if let Ok(mut results) = results.lock() {
-                results.push((case.name.clone(), result));
+                results.push((case.name().to_owned(), result));
             }
             if failed {
                 // Nothing more is begun once a case has failed.
@@ -63,40 +87,85 @@ pub fn make_cases(
     fs::rename(&partial, &path).map_err(at(path))
 }
 
-/// Draws, simulates and writes one case; returns its answer.
-fn make_case(directory: &Path, planned: &PlannedCase) -> Result<Answer, MakerError> {
-    let case = planned.recipe.draw();
-    let partial = directory.join(format!(".partial-{}", planned.name));
+/// Makes and writes one case; returns its answer.
+fn write_case<C: Case>(directory: &Path, case: &C) -> Result<Answer, MakerError> {
+    let made = case.make()?;
+    let partial = directory.join(format!(".partial-{}", case.name()));
     fs::create_dir_all(&partial).map_err(at(&partial))?;
-    let write = |file: &str, text: String| {
+    for (file, text) in made.files {
         let path = partial.join(file);
-        fs::write(&path, text).map_err(at(path))
-    };
-    write("model.toml", model_toml(&case.believed_law))?;
-    for (index, run) in case.runs.iter().enumerate() {
-        let stream =
-            |purpose: fn(u64) -> Purpose| Stream::new(planned.recipe.seed, purpose(index as u64));
-        let samples = Simulator::new(&case.rig, State::default(), stream(Purpose::Contact))
-            .run(&run.excitation)
-            .map_err(|error| match error {
-                MakerError::Diverged { time, .. } => MakerError::Diverged {
-                    case: planned.name.clone(),
-                    time,
-                },
-                other => other,
-            })?;
-        let text = record_csv(
-            &run.excitation,
-            &samples,
-            &case.rig.effects,
-            Noise::scaled(planned.recipe.noise),
-            &mut stream(Purpose::Sensors),
-        );
-        write(run.file, text)?;
+        fs::write(&path, text).map_err(at(path))?;
     }
-    let path = directory.join(&planned.name);
+    if let Some(text) = made.true_sensors {
+        let beside = directory.join("true-sensors").join(case.name());
+        fs::create_dir_all(&beside).map_err(at(&beside))?;
+        let path = beside.join("sensors.true.toml");
+        fs::write(&path, text).map_err(at(path))?;
+    }
+    let path = directory.join(case.name());
     fs::rename(&partial, &path).map_err(at(path))?;
-    Ok(case.answer)
+    Ok(made.answer)
+}
+
+impl Case for PlannedCase {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn make(&self) -> Result<MadeCase, MakerError> {
+        let case = self.recipe.draw();
+        let mut files = vec![("model.toml".to_owned(), model_toml(&case.believed_law))];
+        let mut tools = Stream::new(self.recipe.seed, Purpose::Instruments);
+        let known = Instruments::dissertation(&mut tools).noisier(self.recipe.noise);
+        let instruments = if self.measured.unknown {
+            known.unknown_to_all(&mut tools)
+        } else {
+            known
+        };
+        let reads_current = self.measured.sensors.has("i");
+        let sensors = instruments.toml(reads_current);
+        if reads_current && !self.measured.unknown {
+            files.push(("sensors.toml".to_owned(), sensors.clone()));
+        }
+        for (index, run) in case.runs.iter().enumerate() {
+            let stream =
+                |purpose: fn(u64) -> Purpose| Stream::new(self.recipe.seed, purpose(index as u64));
+            let samples = Simulator::new(&case.rig, State::default(), stream(Purpose::Contact))
+                .run(&run.excitation)
+                .map_err(|error| error.in_case(&self.name))?;
+            let mut noise = stream(Purpose::Sensors);
+            let text = if self.measured == Measured::default() {
+                record_csv(
+                    &run.excitation,
+                    &samples,
+                    &case.rig.effects,
+                    Noise::scaled(self.recipe.noise),
+                    &mut noise,
+                )
+            } else {
+                Recording {
+                    excitation: &run.excitation,
+                    samples: &samples,
+                    effects: &case.rig.effects,
+                    outer_effects: None,
+                    instruments: &instruments,
+                    sensors: self.measured.sensors,
+                    interval: SAMPLE_INTERVAL,
+                    voltage_step: 1e-5,
+                }
+                .csv(&mut noise)
+            };
+            files.push((run.file.to_owned(), text));
+        }
+        let unknown = self.measured.unknown;
+        let mut answer = case.answer;
+        answer.sensors = unknown.then(|| instruments.answers());
+        Ok(MadeCase {
+            files,
+            true_sensors: unknown.then_some(sensors),
+            answer,
+        })
+    }
 }
 
 /// What the analyst believes: nominal parameters and `law`.

@@ -2,11 +2,14 @@
 
 use anyhow::{Context, ensure};
 use clap::{Parser, Subcommand, ValueEnum};
-use hidden_records::case_files::make_cases;
+use hidden_records::case_files::{Case, make_cases};
 use hidden_records::excitation::Brake;
-use hidden_records::plan::{FULL_SIZE, Group, PlannedCase, SMALL_SIZE, Suite, Wish};
+use hidden_records::other_rigs::case::{OtherCase, RigChoice};
+use hidden_records::other_rigs::plan::{OtherWish, Sort};
+use hidden_records::plan::{FULL_SIZE, Group, Measured, PlannedCase, SMALL_SIZE, Suite, Wish};
 use hidden_records::practice::{read_answers, read_record, replay, true_rig};
 use hidden_records::recipe::Kind;
+use hidden_records::records::Sensors;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 
@@ -65,6 +68,29 @@ struct MakeArguments {
     /// Two effects per case.
     #[arg(long, conflicts_with_all = ["suite", "outside", "clean"])]
     pairs: bool,
+    /// Three effects per case.
+    #[arg(long, conflicts_with_all = ["suite", "outside", "clean", "pairs"])]
+    triples: bool,
+    /// A rig of its own for every case, with loads, instruments and sizes that fit it.
+    #[arg(long, conflicts_with = "suite")]
+    other_rigs: bool,
+    /// The same with two discs, effects on either.
+    #[arg(long, conflicts_with_all = ["suite", "outside", "own_sizes"])]
+    full_rig: bool,
+    /// The dissertation's rig with contacts, loads and sizes drawn as for other rigs.
+    #[arg(long, conflicts_with_all = ["suite", "other_rigs"])]
+    own_sizes: bool,
+    /// Normal force in N at which a load exponent changes nothing, or `middle` for the middle load
+    /// of the case.
+    #[arg(long, default_value = "50", value_parser = parse_load_reference)]
+    load_reference: LoadReference,
+    /// What is measured; `no-disc` has the gearbox output's angle and the current, `current` all and
+    /// the current.
+    #[arg(long, value_enum, default_value = "all")]
+    sensors: SensorsName,
+    /// No sensors.toml; instruments 0.2 to 5 times as noisy, encoders that round or not.
+    #[arg(long)]
+    instruments_unknown: bool,
     /// Effects in no catalogue.
     #[arg(long, conflicts_with_all = ["suite", "clean"])]
     outside: bool,
@@ -88,6 +114,31 @@ enum SuiteName {
     Final,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum SensorsName {
+    All,
+    Encoders,
+    Tachometers,
+    NoDisc,
+    Current,
+}
+
+impl SensorsName {
+    fn sensors(self) -> Sensors {
+        match self {
+            Self::All => Sensors::All,
+            Self::Encoders => Sensors::Encoders,
+            Self::Tachometers => Sensors::Tachometers,
+            Self::NoDisc => Sensors::NoDisc,
+            Self::Current => Sensors::Current,
+        }
+    }
+}
+
+/// `None`: the middle load of the case.
+#[derive(Clone, Copy)]
+struct LoadReference(Option<f64>);
+
 /// Runs the command; `false` when a check said no.
 pub fn run() -> anyhow::Result<bool> {
     match Arguments::parse().command {
@@ -97,17 +148,73 @@ pub fn run() -> anyhow::Result<bool> {
 }
 
 fn make(arguments: &MakeArguments) -> anyhow::Result<()> {
-    let cases = plan(arguments)?;
+    if arguments.other_rigs || arguments.full_rig || arguments.own_sizes {
+        make_all(arguments, &plan_other_rigs(arguments)?)
+    } else {
+        ensure!(
+            !arguments.triples,
+            "--triples needs --other-rigs, --full-rig or --own-sizes"
+        );
+        make_all(arguments, &plan(arguments)?)
+    }
+}
+
+fn make_all<C: Case>(arguments: &MakeArguments, cases: &[C]) -> anyhow::Result<()> {
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} cases, {eta} left")
         .context("progress bar")?;
     let bar = ProgressBar::new(cases.len() as u64).with_style(style);
-    make_cases(&arguments.out, &cases, arguments.threads, &|| bar.inc(1))?;
+    make_cases(&arguments.out, cases, arguments.threads, &|| bar.inc(1))?;
     bar.finish_and_clear();
     println!("{} cases in {}", cases.len(), arguments.out.display());
     Ok(())
 }
 
+fn plan_other_rigs(arguments: &MakeArguments) -> anyhow::Result<Vec<OtherCase>> {
+    let sort = if arguments.pairs {
+        Sort::Pair
+    } else if arguments.triples {
+        Sort::Triple
+    } else if arguments.outside {
+        Sort::Outside
+    } else if arguments.clean {
+        Sort::Clean
+    } else {
+        Sort::Single
+    };
+    let wish = OtherWish {
+        seed: arguments.seed.context("--seed is missing")?,
+        cases: arguments.cases.context("--cases is missing")?,
+        sort,
+        kind: arguments.kind.clone(),
+        common: OtherCase {
+            rig: if arguments.full_rig {
+                RigChoice::Full
+            } else if arguments.own_sizes {
+                RigChoice::Dissertation
+            } else {
+                RigChoice::Drawn
+            },
+            size: match arguments.size {
+                FULL_SIZE => (1.0, 1.0),
+                size => size,
+            },
+            share_laws: arguments.share_laws,
+            rough: arguments.rough,
+            noise: arguments.noise,
+            sensors: arguments.sensors.sensors(),
+            unknown: arguments.instruments_unknown,
+            load_reference: arguments.load_reference.0,
+            ..OtherCase::default()
+        },
+    };
+    Ok(wish.plan()?)
+}
+
 fn plan(arguments: &MakeArguments) -> anyhow::Result<Vec<PlannedCase>> {
+    let measured = Measured {
+        sensors: arguments.sensors.sensors(),
+        unknown: arguments.instruments_unknown,
+    };
     if let Some(suite) = arguments.suite {
         let suite = match suite {
             SuiteName::Calibration => Suite::Calibration,
@@ -117,7 +224,11 @@ fn plan(arguments: &MakeArguments) -> anyhow::Result<Vec<PlannedCase>> {
             [] => Group::ALL.as_slice(),
             chosen => chosen,
         };
-        return Ok(suite.plan(groups, arguments.cases));
+        let mut cases = suite.plan(groups, arguments.cases);
+        for case in &mut cases {
+            case.measured = measured;
+        }
+        return Ok(cases);
     }
     let kinds = match (arguments.pairs, arguments.outside, arguments.clean) {
         (true, _, _) => Kind::pairs(),
@@ -156,6 +267,7 @@ fn plan(arguments: &MakeArguments) -> anyhow::Result<Vec<PlannedCase>> {
         share_laws: arguments.share_laws,
         rough: arguments.rough,
         noise: arguments.noise,
+        measured,
     };
     Ok(wish.plan()?)
 }
@@ -209,5 +321,13 @@ fn parse_size(text: &str) -> Result<(f64, f64), String> {
             .parse()
             .map(|size: f64| (size, size))
             .map_err(|_| "expected full, small or a number".to_owned()),
+    }
+}
+
+fn parse_load_reference(text: &str) -> Result<LoadReference, String> {
+    match (text, text.parse::<f64>()) {
+        ("middle", _) => Ok(LoadReference(None)),
+        (_, Ok(newton)) if newton > 0.0 && newton.is_finite() => Ok(LoadReference(Some(newton))),
+        _ => Err("expected `middle` or a force above 0 N".to_owned()),
     }
 }

@@ -39,6 +39,8 @@ pub struct Effects {
     pub uscale: f64,
     /// Exponent of the normal force [-].
     pub load_exp: f64,
+    /// Normal force at which the exponent changes nothing [N].
+    pub load_ref: f64,
     /// Extra viscous damping, motor side [N m s/rad].
     pub motor_visc: f64,
     /// Lag of the disc's channels [s].
@@ -105,6 +107,32 @@ pub struct Effects {
     pub fading: f64,
     /// Time constant of warming [s].
     pub fading_tau: f64,
+    /// Amplitude of a torque with several cycles per turn of the disc [N m].
+    pub harmonic_T: f64,
+    /// Its cycles per turn [-].
+    pub harmonic_n: f64,
+    /// Its phase [rad].
+    pub harmonic_ph: f64,
+    /// Relative height of the friction on a patch of the disc [-].
+    pub patch_height: f64,
+    /// Angle of the patch [rad].
+    pub patch_centre: f64,
+    /// Width of the patch [rad].
+    pub patch_width: f64,
+    /// Relative jump of the friction at one time [-].
+    pub jump: f64,
+    /// Time of the jump [s].
+    pub jump_time: f64,
+    /// Relative amplitude by which friction sways with time [-].
+    pub sway: f64,
+    /// Its period [s].
+    pub sway_period: f64,
+    /// Its phase [rad].
+    pub sway_ph: f64,
+    /// Friction backward over friction forward, less one [-].
+    pub asymmetry: f64,
+    /// Normal force that the contact never exceeds [N]; infinite = none.
+    pub load_limit: f64,
 }
 
 impl Default for Effects {
@@ -125,6 +153,7 @@ impl Default for Effects {
             dRdt: 0.0,
             uscale: 1.0,
             load_exp: 1.0,
+            load_ref: 50.0,
             motor_visc: 0.0,
             delay: 0.0,
             bristle_k: f64::INFINITY,
@@ -157,6 +186,19 @@ impl Default for Effects {
             lifting: 0.0,
             fading: 0.0,
             fading_tau: 1.0,
+            harmonic_T: 0.0,
+            harmonic_n: 1.0,
+            harmonic_ph: 0.0,
+            patch_height: 0.0,
+            patch_centre: 0.0,
+            patch_width: 1.0,
+            jump: 0.0,
+            jump_time: 0.0,
+            sway: 0.0,
+            sway_period: 1.0,
+            sway_ph: 0.0,
+            asymmetry: 0.0,
+            load_limit: f64::INFINITY,
         }
     }
 }

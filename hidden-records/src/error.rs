@@ -45,6 +45,15 @@ pub enum MakerError {
         /// What is wrong with it.
         problem: String,
     },
+    /// No kind has the name asked for.
+    #[error("no kind `{0}` here; names are those of `kind` in ANSWERS.json")]
+    NoKind(String),
+    /// No drawn rig stuck at some points and slid at others.
+    #[error("case {case}: no rig of this seed sticks and slips; take another seed")]
+    NoStickSlip {
+        /// Name of the case.
+        case: String,
+    },
     /// The simulated state stopped being finite.
     #[error("case {case}: the simulation left the finite numbers at t = {time} s")]
     Diverged {
@@ -56,6 +65,19 @@ pub enum MakerError {
     /// An answer cannot be written as JSON.
     #[error("cannot write the answers: {0}")]
     Json(#[from] serde_json::Error),
+}
+
+impl MakerError {
+    /// The same with the name of the case where it was missing.
+    pub(crate) fn in_case(self, name: &str) -> Self {
+        match self {
+            Self::Diverged { time, .. } => Self::Diverged {
+                case: name.to_owned(),
+                time,
+            },
+            other => other,
+        }
+    }
 }
 
 /// Attaches a path to an I/O error.

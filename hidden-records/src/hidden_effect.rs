@@ -7,7 +7,7 @@ use crate::random::Stream;
 use crate::rig::NOMINAL;
 use core::f64::consts::TAU;
 
-/// One hidden effect. The first block is in the catalogue, the second in none.
+/// One hidden effect. The first block is in the catalogue, the others in none, the last on other rigs only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[expect(
     missing_docs,
@@ -48,6 +48,13 @@ pub enum Effect {
     ThreeLobes,
     LiftingPin,
     FadingMotor,
+
+    FrictionPatch,
+    HigherHarmonics,
+    FrictionJump,
+    SwayingFriction,
+    AsymmetricFriction,
+    LoadSaturation,
 }
 
 /// Effects of the practice records; any two can stand in a pair.
@@ -138,6 +145,12 @@ impl Effect {
             Self::ThreeLobes => "three_lobes",
             Self::LiftingPin => "lifting_pin",
             Self::FadingMotor => "fading_motor",
+            Self::FrictionPatch => "friction_patch",
+            Self::HigherHarmonics => "higher_harmonics",
+            Self::FrictionJump => "friction_jump",
+            Self::SwayingFriction => "swaying_friction",
+            Self::AsymmetricFriction => "asymmetric_friction",
+            Self::LoadSaturation => "load_saturation",
         }
     }
 
@@ -260,6 +273,13 @@ impl Effect {
                 hidden.fading = scale * stream.uniform(0.1, 0.2);
                 hidden.fading_tau = stream.uniform(10.0, 25.0);
             }
+            // On other rigs only, where sizes follow the rig.
+            Self::FrictionPatch
+            | Self::HigherHarmonics
+            | Self::FrictionJump
+            | Self::SwayingFriction
+            | Self::AsymmetricFriction
+            | Self::LoadSaturation => {}
         }
     }
 }

@@ -3,9 +3,6 @@
 use core::f64::consts::PI;
 use libm::{atan2, exp};
 
-/// Slip speed below which a law with a separate breakaway level counts as "at rest" [rad/s].
-const REST_SPEED: f64 = 0.002;
-
 /// Coefficient of friction of the pin contact.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ContactLaw {
@@ -59,7 +56,8 @@ pub struct TwoGaussian {
 }
 
 impl TwoGaussian {
-    fn at_angle(&self, angle: f64) -> f64 {
+    /// Coefficient at the phase-plane angle α [rad].
+    pub fn at_angle(&self, angle: f64) -> f64 {
         (0..2)
             .map(|k| {
                 let distance = (angle - self.centre[k]) / self.width[k];
@@ -85,11 +83,14 @@ impl ContactLaw {
     }
 
     /// Coefficient a bristle bears in steady sliding at `speed` = |ω| [rad/s] ≥ 0 and
-    /// `acceleration` = sign(ω)·dω/dt [rad/s²]. Meets [`Self::breakaway`] at rest.
-    pub fn coefficient(&self, speed: f64, acceleration: f64) -> f64 {
+    /// `acceleration` = sign(ω)·dω/dt [rad/s²]. Meets [`Self::breakaway`] at rest, which ends at about
+    /// `rest_speed` [rad/s].
+    pub fn coefficient(&self, speed: f64, acceleration: f64, rest_speed: f64) -> f64 {
         match self {
             Self::Coulomb { mu_c } => *mu_c,
-            Self::CoulombStiction { mu_c, mu_s } => mu_c + (mu_s - mu_c) * share_at_rest(speed),
+            Self::CoulombStiction { mu_c, mu_s } => {
+                mu_c + (mu_s - mu_c) * share_at_rest(speed, rest_speed)
+            }
             Self::Stribeck {
                 mu_c,
                 mu_s,
@@ -101,21 +102,23 @@ impl ContactLaw {
                     (speed - law.omega_centre) / law.omega_centre,
                 );
                 let sliding = law.at_angle(angle);
-                sliding + (self.breakaway_above(sliding, speed)) * share_at_rest(speed)
+                sliding
+                    + self.breakaway_above(sliding, speed, rest_speed)
+                        * share_at_rest(speed, rest_speed)
             }
             Self::Blend {
                 base,
                 other,
                 weight,
             } => {
-                (1.0 - weight) * base.coefficient(speed, acceleration)
-                    + weight * other.coefficient(speed, acceleration)
+                (1.0 - weight) * base.coefficient(speed, acceleration, rest_speed)
+                    + weight * other.coefficient(speed, acceleration, rest_speed)
             }
         }
     }
 
-    fn breakaway_above(&self, sliding: f64, speed: f64) -> f64 {
-        if speed > 30.0 * REST_SPEED {
+    fn breakaway_above(&self, sliding: f64, speed: f64, rest_speed: f64) -> f64 {
+        if speed > 30.0 * rest_speed {
             0.0
         } else {
             self.breakaway() - sliding
@@ -169,8 +172,8 @@ impl ContactLaw {
     }
 }
 
-fn share_at_rest(speed: f64) -> f64 {
-    let ratio = speed / REST_SPEED;
+fn share_at_rest(speed: f64, rest_speed: f64) -> f64 {
+    let ratio = speed / rest_speed;
     if ratio > 30.0 { 0.0 } else { exp(-ratio) }
 }
 
@@ -184,15 +187,16 @@ mod tests {
             mu_c: 0.13,
             mu_s: 0.2,
         };
-        assert_eq!(stiction.coefficient(0.0, 0.0), stiction.breakaway());
-        assert!((stiction.coefficient(0.1, 0.0) - 0.13).abs() < 1e-12);
+        assert_eq!(stiction.coefficient(0.0, 0.0, 0.002), stiction.breakaway());
+        assert!((stiction.coefficient(0.1, 0.0, 0.002) - 0.13).abs() < 1e-12);
         let stribeck = ContactLaw::Stribeck {
             mu_c: 0.12,
             mu_s: 0.2,
             omega_s: 1.2,
         };
         assert!(
-            (stribeck.coefficient(1.2, 0.0) - (0.12 + 0.08 / core::f64::consts::E)).abs() < 1e-12
+            (stribeck.coefficient(1.2, 0.0, 0.002) - (0.12 + 0.08 / core::f64::consts::E)).abs()
+                < 1e-12
         );
     }
 
@@ -204,7 +208,10 @@ mod tests {
             other: Box::new(ContactLaw::Coulomb { mu_c: 0.3 }),
             weight: 0.0,
         };
-        assert_eq!(blend.coefficient(2.0, 1.0), base.coefficient(2.0, 1.0));
+        assert_eq!(
+            blend.coefficient(2.0, 1.0, 0.002),
+            base.coefficient(2.0, 1.0, 0.002)
+        );
         assert_eq!(blend.breakaway(), base.breakaway());
     }
 }

@@ -4,6 +4,7 @@ use crate::error::MakerError;
 use crate::excitation::Brake;
 use crate::random::{Purpose, Stream};
 use crate::recipe::{Kind, Recipe};
+use crate::records::Sensors;
 
 /// Seeds kept for the suites.
 const RESERVED_SEEDS: core::ops::Range<u64> = 10_000..30_000;
@@ -54,6 +55,17 @@ pub struct PlannedCase {
     pub name: String,
     /// How to draw it.
     pub recipe: Recipe,
+    /// What is measured.
+    pub measured: Measured,
+}
+
+/// What is measured, and whether anybody knows by what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Measured {
+    /// Which channels.
+    pub sensors: Sensors,
+    /// Whether the instruments are unknown.
+    pub unknown: bool,
 }
 
 /// What to make when no suite is asked for.
@@ -73,6 +85,8 @@ pub struct Wish {
     pub rough: bool,
     /// Factor on sensor noise.
     pub noise: f64,
+    /// What is measured.
+    pub measured: Measured,
 }
 
 impl Group {
@@ -194,6 +208,7 @@ impl Suite {
                 planned.push(PlannedCase {
                     name: format!("{}-{index:04}", group.name()),
                     recipe: group.recipe(kind, index / kinds.len(), index, seed),
+                    measured: Measured::default(),
                 });
             }
         }
@@ -207,15 +222,8 @@ impl Wish {
     /// # Errors
     /// The seeds touch those of the suites, or a number is out of range.
     pub fn plan(&self) -> Result<Vec<PlannedCase>, MakerError> {
-        let last = self.seed.saturating_add(self.cases.max(1) as u64 - 1);
-        if self.seed < RESERVED_SEEDS.end && last >= RESERVED_SEEDS.start {
-            return Err(MakerError::ReservedSeeds {
-                first: self.seed,
-                last,
-            });
-        }
-        in_range("--size", self.scale.0, 0.01, 3.0, "between 0.01 and 3")?;
-        in_range("--noise", self.noise, 0.0, 100.0, "between 0 and 100")?;
+        check_seeds(self.seed, self.cases)?;
+        check_sizes(self.scale, self.noise)?;
         let recipe = |index: usize| {
             let kind = self.kinds[index % self.kinds.len()].clone();
             Recipe {
@@ -235,9 +243,25 @@ impl Wish {
             .map(|index| PlannedCase {
                 name: format!("case-{index:04}"),
                 recipe: recipe(index),
+                measured: self.measured,
             })
             .collect())
     }
+}
+
+/// Refuses seeds that belong to a suite.
+pub(crate) fn check_seeds(first: u64, cases: usize) -> Result<(), MakerError> {
+    let last = first.saturating_add(cases.max(1) as u64 - 1);
+    if first < RESERVED_SEEDS.end && last >= RESERVED_SEEDS.start {
+        return Err(MakerError::ReservedSeeds { first, last });
+    }
+    Ok(())
+}
+
+/// Refuses sizes and noise out of range.
+pub(crate) fn check_sizes(size: (f64, f64), noise: f64) -> Result<(), MakerError> {
+    in_range("--size", size.0, 0.01, 3.0, "between 0.01 and 3")?;
+    in_range("--noise", noise, 0.0, 100.0, "between 0 and 100")
 }
 
 /// Share of a law that is hidden: all of it, whatever the size of other effects, unless shares are asked for.
@@ -306,6 +330,7 @@ mod tests {
             share_laws: false,
             rough: false,
             noise: 1.0,
+            measured: Measured::default(),
         };
         assert!(matches!(
             wish.plan(),

@@ -15,6 +15,20 @@ pub enum Purpose {
     Sensors(u64),
     /// Random friction of the run with this index.
     Contact(u64),
+    /// Numbers of a rig other than the dissertation's.
+    Rig,
+    /// Instruments.
+    Instruments,
+    /// Disc D1.
+    OuterDisc,
+    /// How far the analyst is off about disc D1.
+    OuterRatios,
+    /// Friction law of disc D1.
+    OuterLaw,
+    /// Friction law of the attempt with this index.
+    Law(u64),
+    /// Inputs of the attempt with this index.
+    Inputs(u64),
 }
 
 /// One stream of random numbers.
@@ -33,6 +47,13 @@ impl Stream {
             Purpose::Excitation => 1,
             Purpose::Sensors(run) => 100 + run,
             Purpose::Contact(run) => 200 + run,
+            Purpose::Rig => 2,
+            Purpose::Instruments => 3,
+            Purpose::OuterDisc => 4,
+            Purpose::OuterRatios => 5,
+            Purpose::OuterLaw => 6,
+            Purpose::Law(attempt) => 1_000_000 + attempt,
+            Purpose::Inputs(attempt) => 2_000_000 + attempt,
         });
         Self {
             generator,
@@ -43,6 +64,16 @@ impl Stream {
     /// Uniform number in [low, high).
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
+    }
+
+    /// Number in [low, high) whose logarithm is uniform (0 < `low`).
+    pub fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
+        low * libm::pow(high / low, self.unit())
+    }
+
+    /// A sign, either with equal probability.
+    pub fn sign(&mut self) -> f64 {
+        if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 
     /// Uniform index in 0..count (`count` ≥ 1).

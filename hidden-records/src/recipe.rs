@@ -8,6 +8,7 @@ use crate::law::ContactLaw;
 use crate::random::{Purpose, Stream};
 use crate::rig::{FRICTION_LEVEL, NOMINAL, draw_ratios};
 use crate::simulator::TrueRig;
+use std::collections::BTreeMap;
 
 /// Random friction of a rough case: standard deviation [-].
 const ROUGH_STANDARD_DEVIATION: f64 = 0.04;
@@ -230,12 +231,17 @@ impl Recipe {
             truth: law.name().to_owned(),
             effects: hidden.answers(),
             parameter_ratio: ratios.clone(),
+            place: None,
+            places: BTreeMap::new(),
+            sensors: None,
+            facts: BTreeMap::new(),
         };
         HiddenCase {
             rig: TrueRig {
                 parameters: NOMINAL.scaled(&ratios),
                 law: law.with_level(level),
                 effects: hidden,
+                outer: None,
             },
             believed_law,
             runs: draw_runs(

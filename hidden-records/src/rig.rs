@@ -63,6 +63,15 @@ const UNCERTAINTY_AT_TWO_PERCENT: [(&str, f64); 8] = [
 /// Key of the ratio of the true friction level over the believed one.
 pub const FRICTION_LEVEL: &str = "mu";
 
+/// One standard deviation of truth over belief of the parameter `name` at `spread` (see
+/// [`draw_ratios`]); 0 for a parameter that is as given.
+pub fn relative_uncertainty(name: &str, spread: f64) -> f64 {
+    UNCERTAINTY_AT_TWO_PERCENT
+        .iter()
+        .find(|(known, _)| *known == name)
+        .map_or(0.0, |(_, sigma)| sigma * spread / 0.02)
+}
+
 /// Draws truth/belief for every uncertain parameter. `spread` 0.02 gives the analyst's stated
 /// standard deviations, 0.01 half of them; 0 gives an empty map (the analyst is right). Draws
 /// beyond 2.5 standard deviations are drawn again: an analyst's statement, not a wild guess.

@@ -19,6 +19,7 @@ fn rig(effects: Effects) -> TrueRig {
             omega_s: 1.2,
         },
         effects,
+        outer: None,
     }
 }
 
@@ -27,6 +28,7 @@ fn constant(seconds: f64, voltage: f64, normal_force: f64) -> Excitation {
     Excitation {
         voltage: vec![voltage; count],
         normal_force: vec![normal_force; count],
+        ..Excitation::default()
     }
 }
 

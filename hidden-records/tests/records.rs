@@ -7,7 +7,7 @@ use hidden_records::effects::Effects;
 use hidden_records::excitation::Excitation;
 use hidden_records::hidden_effect::practice_law;
 use hidden_records::instruments::{DISC_ENCODER_STEP, MOTOR_ENCODER_STEP, Noise, record_csv};
-use hidden_records::plan::{Group, PlannedCase, Suite, Wish};
+use hidden_records::plan::{Group, Measured, PlannedCase, Suite, Wish};
 use hidden_records::practice::{read_answers, read_record};
 use hidden_records::random::{Purpose, Stream};
 use hidden_records::recipe::Kind;
@@ -29,6 +29,7 @@ fn one_case(kind: &str, seed: u64) -> Vec<PlannedCase> {
         share_laws: false,
         rough: false,
         noise: 1.0,
+        measured: Measured::default(),
     }
     .plan()
     .unwrap()
@@ -139,18 +140,20 @@ fn instruments_round_down_and_add_their_noise() {
                 disc_speed: 2.0,
                 gearbox_angle: angle,
                 gearbox_speed: 3.0,
-                current: 0.0,
+                ..State::default()
             };
             Sample {
                 state,
                 seen_disc_angle: angle,
                 seen_disc_speed: 2.0,
+                acceleration: 0.0,
             }
         })
         .collect();
     let inputs = Excitation {
         voltage: vec![1.0; count],
         normal_force: vec![30.0; count],
+        ..Excitation::default()
     };
     let hidden = Effects {
         cell_bias: -4.0,

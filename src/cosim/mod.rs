@@ -1,9 +1,10 @@
-//! Co-simulation: the variable table, the one model interface and its implementations.
+//! Co-simulation and model exchange: the variable table, the model interfaces and their implementations.
 //!
 //! Nothing here knows the C interfaces; [`crate::ffi`] stands on it.
 
 mod component;
 mod controller;
+mod exchange;
 mod identity;
 mod input_signals;
 mod model;
@@ -17,12 +18,13 @@ pub(crate) mod test_model;
 mod token;
 mod variables;
 
+pub use exchange::{EventOutcome, ModelExchange};
 pub use identity::{
     DefaultExperiment, Identity, LOG_CATEGORIES, LogCategory, MAX_INPUT_DERIVATIVE_ORDER,
     MAX_OUTPUT_DERIVATIVE_ORDER,
 };
 pub use model::{CoSimulationModel, ModelError, StepEnd};
-pub use open::{MODEL_FILE, open};
+pub use open::{MODEL_FILE, open, open_for_exchange};
 pub use state::{StateError, StateReader, StateWriter};
 pub use token::Token;
 pub use variables::{

@@ -1,5 +1,6 @@
 //! The one interface between a model and the two C interfaces.
 
+use super::exchange::ModelExchange;
 use super::identity::Identity;
 use super::state::{StateError, StateReader, StateWriter};
 use super::token::Token;
@@ -87,6 +88,24 @@ pub trait CoSimulationModel: Send {
     /// The derivative does not exist or cannot be computed.
     fn partial_derivative(&mut self, unknown: u32, known: u32) -> Result<f64, ModelError>;
 
+    /// Derivatives of the `unknowns` along a direction, given as knowns with their shares, states and modes held.
+    ///
+    /// # Errors
+    /// One of them does not exist or cannot be computed.
+    fn directional_derivatives(
+        &mut self,
+        unknowns: &[u32],
+        direction: &[(u32, f64)],
+    ) -> Result<Vec<f64>, ModelError> {
+        let mut sums = vec![0.0; unknowns.len()];
+        for (unknown, sum) in unknowns.iter().zip(&mut sums) {
+            for (known, share) in direction {
+                *sum += share * self.partial_derivative(*unknown, *known)?;
+            }
+        }
+        Ok(sums)
+    }
+
     /// Advances to the time `until` [s], or with `stop_at_switch` to the first switch if that comes
     /// earlier. Not later than the current time: nothing happens.
     ///
@@ -108,6 +127,11 @@ pub trait CoSimulationModel: Send {
 
     /// Back to the state after construction.
     fn reset(&mut self);
+
+    /// The same model for an importer that brings the solver, if it was opened for model exchange.
+    fn exchange(&mut self) -> Option<&mut dyn ModelExchange> {
+        None
+    }
 }
 
 /// A model that cannot do what it was asked for.

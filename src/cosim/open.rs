@@ -3,6 +3,7 @@
 use super::controller::ControllerModel;
 use super::model::{CoSimulationModel, ModelError};
 use super::rig::RigModel;
+use super::rig::exchange::RigExchange;
 use crate::controller::{ControlLaw, is_controller};
 use crate::plant::Rig;
 
@@ -27,4 +28,24 @@ pub fn open(text: &str, file_name: &str) -> Result<Box<dyn CoSimulationModel>, M
     let rig = Rig::from_toml(text, file_name).map_err(ModelError::from_display)?;
     let model = RigModel::new(rig, text).map_err(table_error)?;
     Ok(Box::new(model))
+}
+
+/// The model that `text`, the content of `file_name`, describes, for an importer that brings the solver.
+///
+/// # Errors
+/// As for [`open`]; and where the model is for co-simulation only.
+pub fn open_for_exchange(
+    text: &str,
+    file_name: &str,
+) -> Result<Box<dyn CoSimulationModel>, ModelError> {
+    if is_controller(text) {
+        return Err(ModelError(format!(
+            "{file_name}: a controller is for co-simulation only"
+        )));
+    }
+    let rig = Rig::from_toml(text, file_name).map_err(ModelError::from_display)?;
+    let model = RigExchange::new(rig, text);
+    Ok(Box::new(model.map_err(|error| {
+        ModelError(format!("{file_name}: {error}"))
+    })?))
 }

@@ -25,7 +25,10 @@ pub(super) fn row(name: &str, causality: Causality, unit: &str, description: &st
         maximum: None,
         nominal: None,
         description: description.into(),
-        alias: None,
+        alias_of: None,
+        derivative_of: None,
+        reinit: false,
+        event_indicator: false,
         dependencies: Vec::new(),
         initial_dependencies: Vec::new(),
     }

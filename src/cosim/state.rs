@@ -8,7 +8,7 @@ use super::token::Token;
 use thiserror::Error;
 
 const MAGIC: [u8; 8] = *b"STKSLIP\0";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HEADER: usize = 8 + 4 + 16 + 8;
 const CHECKSUM: usize = 8;
 

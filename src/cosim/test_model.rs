@@ -52,7 +52,10 @@ fn row(name: &str, causality: Causality, variability: Variability) -> Variable {
         maximum: None,
         nominal: None,
         description: name.into(),
-        alias: None,
+        alias_of: None,
+        derivative_of: None,
+        reinit: false,
+        event_indicator: false,
         dependencies: Vec::new(),
         initial_dependencies: Vec::new(),
     }

@@ -38,7 +38,11 @@ impl Token {
             }
             hash.number(variable.above_minimum.into());
             hash.text(&variable.description);
-            hash.text(variable.alias.unwrap_or(""));
+            for reference in [variable.alias_of, variable.derivative_of] {
+                hash.number(reference.map_or(u64::MAX, u64::from));
+            }
+            hash.number(variable.reinit.into());
+            hash.number(variable.event_indicator.into());
             for list in [&variable.dependencies, &variable.initial_dependencies] {
                 hash.number(list.len() as u64);
                 list.iter()

@@ -125,8 +125,14 @@ pub struct Variable {
     pub nominal: Option<f64>,
     /// One line for people.
     pub description: String,
-    /// Another name for the same number: what the dissertation calls it. In the XML only.
-    pub alias: Option<&'static str>,
+    /// The variable whose number this one is under another name: what the dissertation calls it.
+    pub alias_of: Option<u32>,
+    /// The continuous state whose time derivative this one is.
+    pub derivative_of: Option<u32>,
+    /// Whether an event may set this continuous state to another value.
+    pub reinit: bool,
+    /// Whether an event is due where this one changes its sign.
+    pub event_indicator: bool,
     /// Value references of the inputs on which an output depends at the same instant.
     pub dependencies: Vec<u32>,
     /// Value references of the known variables on which an output or a calculated local depends
@@ -237,6 +243,26 @@ impl VariableTable {
     /// The row with this name.
     pub fn find(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|variable| variable.name == name)
+    }
+
+    /// The derivatives of the continuous states, in the order of these; none where the component is for co-simulation only.
+    pub fn derivatives(&self) -> impl Iterator<Item = &Variable> {
+        self.variables
+            .iter()
+            .filter(|variable| variable.derivative_of.is_some())
+    }
+
+    /// The continuous states, in order.
+    pub fn states(&self) -> impl Iterator<Item = &Variable> {
+        self.derivatives()
+            .filter_map(|derivative| self.get(derivative.derivative_of?))
+    }
+
+    /// The event indicators, in order.
+    pub fn event_indicators(&self) -> impl Iterator<Item = &Variable> {
+        self.variables
+            .iter()
+            .filter(|variable| variable.event_indicator)
     }
 
     /// The outputs, in order.

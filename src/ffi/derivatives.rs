@@ -80,38 +80,76 @@ impl Instance {
         seed: &[f64],
         sensitivity: &mut Output<f64>,
     ) -> Outcome {
+        self.check_knowns(knowns)?;
+        self.check_unknowns(unknowns)?;
+        let direction: Vec<(u32, f64)> = knowns.iter().copied().zip(seed.iter().copied()).collect();
+        let sums = self.model.directional_derivatives(unknowns, &direction);
+        for (place, (sum, unknown)) in sums.map_err(discard)?.into_iter().zip(unknowns).enumerate()
+        {
+            let sum = self.finite(sum, "the directional derivative of ", *unknown)?;
+            sensitivity.write(place, sum);
+        }
+        Ok(())
+    }
+
+    /// Adjoint derivative: transposed Jacobian of the unknowns with respect to the knowns, times `seed`.
+    pub(super) fn adjoint_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        sensitivity: &mut Output<f64>,
+    ) -> Outcome {
+        self.check_knowns(knowns)?;
+        self.check_unknowns(unknowns)?;
+        for (place, known) in knowns.iter().enumerate() {
+            let column = self
+                .model
+                .directional_derivatives(unknowns, &[(*known, 1.0)]);
+            let terms = column.map_err(discard)?.into_iter().zip(seed);
+            let sum = terms.map(|(derivative, seed)| derivative * seed).sum();
+            let sum = self.finite(sum, "the adjoint derivative by ", *known)?;
+            sensitivity.write(place, sum);
+        }
+        Ok(())
+    }
+
+    /// Refuses what cannot be a direction: what cannot change. Fixed parameters count until the run starts.
+    fn check_knowns(&self, knowns: &[u32]) -> Outcome {
         for known in knowns {
             let variable = self.typed(*known, VariableType::Real)?;
-            // What cannot change cannot be a direction: fixed parameters count until the run starts.
-            let known = match self.phase {
+            let allowed = match self.phase {
                 Phase::Initialization => variable.settable_before_start(),
                 _ => variable.settable_between_steps(),
             };
-            if !known || variable.causality == Causality::Output {
+            let is_state = || {
+                self.model
+                    .table()
+                    .states()
+                    .any(|state| state.value_reference == *known)
+            };
+            let of_solver =
+                || self.exchange && (variable.causality == Causality::Independent || is_state());
+            if (!allowed || variable.causality == Causality::Output) && !of_solver() {
                 return Err(Refusal::error(format_args!(
-                    "\"{}\" cannot be a known of a directional derivative; inputs and tunable parameters can",
+                    "\"{}\" cannot be a known of a derivative; inputs and tunable parameters can, and in model exchange \
+                     time and continuous states",
                     variable.name
                 )));
             }
         }
-        for (place, unknown) in unknowns.iter().enumerate() {
+        Ok(())
+    }
+
+    fn check_unknowns(&self, unknowns: &[u32]) -> Outcome {
+        for unknown in unknowns {
             let variable = self.typed(*unknown, VariableType::Real)?;
             if !matches!(variable.causality, Causality::Output | Causality::Local) {
                 return Err(Refusal::error(format_args!(
-                    "\"{}\" cannot be an unknown of a directional derivative; outputs and locals can",
+                    "\"{}\" cannot be an unknown of a derivative; outputs and locals can",
                     variable.name
                 )));
             }
-            let mut sum = 0.0;
-            for (known, seed) in knowns.iter().zip(seed) {
-                sum += seed
-                    * self
-                        .model
-                        .partial_derivative(*unknown, *known)
-                        .map_err(discard)?;
-            }
-            let sum = self.finite(sum, "the directional derivative of ", *unknown)?;
-            sensitivity.write(place, sum);
         }
         Ok(())
     }

@@ -28,6 +28,8 @@ pub(super) struct Instance {
     pub(super) time: f64,
     /// Time [s] beyond which no step may go.
     pub(super) stop_time: Option<f64>,
+    /// Whether the importer brings the solver.
+    pub(super) exchange: bool,
     /// FMI 3: whether the importer handles events.
     pub(super) event_mode_used: bool,
     /// FMI 3: whether a step may end before its end.
@@ -42,7 +44,8 @@ pub(super) struct Instance {
 unsafe impl Send for Instance {}
 
 impl Instance {
-    pub(super) fn new(model: Box<dyn CoSimulationModel>, log: Log) -> Self {
+    pub(super) fn new(mut model: Box<dyn CoSimulationModel>, log: Log) -> Self {
+        let exchange = model.exchange().is_some();
         let time = model.identity().default_experiment.start_time;
         Self {
             model,
@@ -52,6 +55,7 @@ impl Instance {
             after_error: false,
             time,
             stop_time: None,
+            exchange,
             event_mode_used: false,
             early_return_allowed: false,
             last_step: Status::Ok,
@@ -76,10 +80,19 @@ impl Instance {
         } else {
             ""
         };
+        let phases = allowed.names(self.interface, self.exchange);
+        if phases.is_empty() {
+            let (other, this) = match self.exchange {
+                true => ("co-simulation", "model exchange"),
+                false => ("model exchange", "co-simulation"),
+            };
+            return Refusal::error(format_args!(
+                "is for {other}; this instance was made for {this}"
+            ));
+        }
         Refusal::error(format_args!(
-            "must not be called in the state \"{}\"{error}; it is allowed in: {}",
+            "must not be called in the state \"{}\"{error}; it is allowed in: {phases}",
             self.phase.name(self.interface),
-            allowed.names(self.interface)
         ))
     }
 
@@ -133,7 +146,7 @@ impl Instance {
     /// Ends the initialisation.
     pub(super) fn initialise(&mut self) -> Outcome {
         self.model.initialise().map_err(failure)?;
-        self.phase = if self.event_mode_used {
+        self.phase = if self.event_mode_used || self.exchange {
             Phase::Event
         } else {
             Phase::Step
@@ -180,10 +193,15 @@ impl Instance {
         self.last_step = Status::Ok;
         self.time = end.time;
         if end.switched {
-            let log = &self.log;
-            self.model.drain_notices(&mut |notice| log.inform(notice));
+            self.tell_notices();
         }
         Ok(end)
+    }
+
+    /// Writes what the model has to tell into the log.
+    pub(super) fn tell_notices(&mut self) {
+        let log = &self.log;
+        self.model.drain_notices(&mut |notice| log.inform(notice));
     }
 
     /// Back to the phase after instantiation.

@@ -3,9 +3,10 @@
 use super::guard::panicked;
 use super::instance::{INSTANCES, Instance};
 use super::log::{Callback, Log};
+use super::own_folder;
 use super::resource;
 use super::status::Status;
-use crate::cosim::{CoSimulationModel, MODEL_FILE, open};
+use crate::cosim::{CoSimulationModel, MODEL_FILE, open, open_for_exchange};
 use std::ffi::{CStr, CString, c_void};
 use std::fs::File;
 use std::io::Read;
@@ -22,6 +23,8 @@ pub(super) struct Request<'a> {
     pub(super) instance_name: Option<&'a CStr>,
     pub(super) token: Option<&'a CStr>,
     pub(super) resources: Option<&'a CStr>,
+    /// Whether the importer brings the solver.
+    pub(super) exchange: bool,
     pub(super) logging_on: bool,
     pub(super) environment: *mut c_void,
     pub(super) callback: Callback,
@@ -43,7 +46,12 @@ pub(super) fn instantiate(
         )
     };
     let made = catch_unwind(AssertUnwindSafe(|| {
-        let mut instance = Instance::new(model(request)?, log());
+        let (model, reservation) = model(request)?;
+        let mut instance = Instance::new(model, log());
+        if let Some(reservation) = reservation {
+            let line = format!("{}: {reservation}", request.function);
+            instance.log.force(Status::Warning, &line);
+        }
         configure(&mut instance)?;
         INSTANCES
             .insert(instance)
@@ -58,7 +66,8 @@ pub(super) fn instantiate(
     ptr::null_mut()
 }
 
-fn model(request: &Request<'_>) -> Result<Box<dyn CoSimulationModel>, String> {
+/// The model that is asked for, and what to say about where it was found.
+fn model(request: &Request<'_>) -> Result<(Box<dyn CoSimulationModel>, Option<String>), String> {
     let name = request
         .instance_name
         .ok_or("argument 'instanceName' is NULL; it needs at least one character")?;
@@ -71,9 +80,48 @@ fn model(request: &Request<'_>) -> Result<Box<dyn CoSimulationModel>, String> {
     let location = request.resources.ok_or_else(|| {
         format!("the resource location is NULL; the component reads {MODEL_FILE} from there")
     })?;
-    let folder = resource::folder(location.to_bytes()).map_err(|error| error.to_string())?;
+    let named = resource::folder(location.to_bytes()).map_err(|error| error.to_string());
+    let reason = match named {
+        Ok(folder) if leads_somewhere(&folder) => {
+            return open_model(request, token, &folder).map(|model| (model, None));
+        }
+        Ok(folder) => match read(&folder.join(MODEL_FILE)) {
+            Err(reason) => reason,
+            // It appeared between the two looks.
+            Ok(_) => return open_model(request, token, &folder).map(|model| (model, None)),
+        },
+        Err(reason) => reason,
+    };
+    // Some importers build a wrong location: the library's own FMU is meant if its token is the one asked for.
+    let own = own_folder::resources().filter(|folder| leads_somewhere(folder));
+    let found = own.and_then(|folder| Some((open_model(request, token, &folder).ok()?, folder)));
+    let Some((model, folder)) = found else {
+        return Err(reason);
+    };
+    let reservation = format!(
+        "{reason}; {MODEL_FILE} in {}, beside this library, has the token that is asked for and is taken instead",
+        folder.display()
+    );
+    Ok((model, Some(reservation)))
+}
+
+fn leads_somewhere(folder: &Path) -> bool {
+    folder.join(MODEL_FILE).exists()
+}
+
+/// The model that the resource folder describes, if it is the one of the token.
+fn open_model(
+    request: &Request<'_>,
+    token: &CStr,
+    folder: &Path,
+) -> Result<Box<dyn CoSimulationModel>, String> {
     let file = folder.join(MODEL_FILE);
     let text = read(&file)?;
+    let open = if request.exchange {
+        open_for_exchange
+    } else {
+        open
+    };
     let model = open(&text, &file.to_string_lossy()).map_err(|error| error.to_string())?;
     let expected = model.token().to_string();
     if token.to_bytes() != expected.as_bytes() {

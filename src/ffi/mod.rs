@@ -1,4 +1,4 @@
-//! The C interfaces of FMI 2.0.5 and FMI 3.0.2 for co-simulation.
+//! The C interfaces of FMI 2.0.5 and FMI 3.0.2 for co-simulation and model exchange.
 //!
 //! The only unsafe code of the project. An exported function is one guarded line: the guard finds the
 //! instance in the table of live handles, compares its phase with those in which the standard allows
@@ -9,6 +9,7 @@
 //! foreign states: the standards then allow reading, restoring a state, resetting and freeing only.
 
 mod derivatives;
+mod exchange;
 pub mod fmi2;
 pub mod fmi3;
 mod guard;
@@ -16,6 +17,7 @@ mod handles;
 mod instance;
 mod instantiate;
 mod log;
+mod own_folder;
 mod pointers;
 mod resource;
 mod saved;

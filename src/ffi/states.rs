@@ -14,6 +14,7 @@ impl Instance {
     fn save(&self) -> SavedState {
         let mut writer = StateWriter::default();
         writer.flag(self.interface == Interface::Fmi3);
+        writer.flag(self.exchange);
         writer.integer(self.phase as u64);
         writer.flag(self.after_error);
         writer.real(self.time);
@@ -39,10 +40,16 @@ impl Instance {
                 "it was saved through the other FMI version".into(),
             ));
         }
+        if reader.flag()? != self.exchange {
+            return Err(StateError::Content(
+                "it was saved by an instance of the other kind, model exchange or co-simulation"
+                    .into(),
+            ));
+        }
         let number = reader.integer()?;
         let phase = Phase::from_number(number)
             .ok_or_else(|| StateError::Content(format!("there is no phase {number}")))?;
-        if phase == Phase::Event && !self.event_mode_used {
+        if phase == Phase::Event && !self.event_mode_used && !self.exchange {
             return Err(StateError::Content(
                 "it was saved in event mode, which this instance does not use".into(),
             ));
@@ -119,7 +126,12 @@ impl Instance {
         if state.is_null() {
             return Ok(());
         }
-        // SAFETY: the standard says that the argument points to a handle.
+        if !state.is_aligned() {
+            return Err(Refusal::error(format_args!(
+                "the pointer to the state ({state:p}) cannot point to one"
+            )));
+        }
+        // SAFETY: aligned; the standard says that the argument points to a handle.
         let handle = unsafe { state.read() };
         if handle.is_null() {
             return Ok(());

@@ -36,14 +36,17 @@ pub(super) enum Phase {
     Terminated = 1 << 5,
     /// FMI 2 only: a call returned an error. FMI 3 calls this terminated.
     Failed = 1 << 6,
+    /// Model exchange only.
+    ContinuousTime = 1 << 7,
 }
 
-const ALL_PHASES: [Phase; 7] = [
+const ALL_PHASES: [Phase; 8] = [
     Phase::Instantiated,
     Phase::Configuration,
     Phase::Initialization,
     Phase::Step,
     Phase::Event,
+    Phase::ContinuousTime,
     Phase::Terminated,
     Phase::Failed,
 ];
@@ -59,9 +62,22 @@ impl Phase {
             (Self::Step, Interface::Fmi2) => "stepComplete",
             (Self::Step, Interface::Fmi3) => "Step Mode",
             (Self::Event, _) => "Event Mode",
+            (Self::ContinuousTime, _) => "Continuous-Time Mode",
             (Self::Terminated, Interface::Fmi2) => "terminated",
             (Self::Terminated, Interface::Fmi3) => "Terminated",
             (Self::Failed, _) => "error",
+        }
+    }
+
+    /// Whether instances of this kind, for model `exchange` or for co-simulation, can be in the phase.
+    fn exists(self, interface: Interface, exchange: bool) -> bool {
+        match self {
+            Self::Step => !exchange,
+            Self::ContinuousTime => exchange,
+            Self::Event => exchange || interface == Interface::Fmi3,
+            Self::Configuration => interface == Interface::Fmi3,
+            Self::Failed => interface == Interface::Fmi2,
+            Self::Instantiated | Self::Initialization | Self::Terminated => true,
         }
     }
 
@@ -93,11 +109,11 @@ impl Phases {
         self.0 & phase as u8 != 0
     }
 
-    /// The standard's names of the phases, for a message.
-    pub(super) fn names(self, interface: Interface) -> String {
+    /// The standard's names of those phases that an instance of this kind can be in, for a message.
+    pub(super) fn names(self, interface: Interface, exchange: bool) -> String {
         let names: Vec<_> = ALL_PHASES
             .into_iter()
-            .filter(|phase| self.contains(*phase))
+            .filter(|phase| self.contains(*phase) && phase.exists(interface, exchange))
             .map(|phase| phase.name(interface))
             .collect();
         names.join(", ")

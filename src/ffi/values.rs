@@ -108,11 +108,18 @@ impl Instance {
     }
 
     fn settable(&self, variable: &Variable) -> Outcome {
+        // A solver may set states one by one too.
+        let is_state = || {
+            let reference = variable.value_reference;
+            let mut states = self.model.table().states();
+            self.exchange && states.any(|state| state.value_reference == reference)
+        };
         let events_apart = self.event_mode_used && variable.causality != Causality::Input;
         let allowed = match self.phase {
             Phase::Instantiated | Phase::Initialization => variable.settable_before_start(),
             Phase::Step => variable.settable_between_steps() && !events_apart,
-            Phase::Event => variable.settable_between_steps(),
+            Phase::Event => variable.settable_between_steps() || is_state(),
+            Phase::ContinuousTime => variable.causality == Causality::Input || is_state(),
             _ => false,
         };
         if allowed {
@@ -121,8 +128,8 @@ impl Instance {
         let when = match (variable.settable_before_start(), variable.variability) {
             (false, _) => "it is computed and can never be set",
             (true, Variability::Tunable) => {
-                "a tunable parameter is set before the simulation or at communication points (with \
-                 event mode in use, in event mode)"
+                "a tunable parameter is set before the simulation or at communication points (in model exchange \
+                 and with event mode in use, in event mode)"
             }
             (true, _) => "it can be set before the simulation only",
         };

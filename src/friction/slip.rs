@@ -54,6 +54,8 @@ pub struct SlipJet<S> {
     pub margin: f64,
     /// Whether the loop has no root because zero acceleration lies between its two branches.
     pub between: bool,
+    /// Whether the root that `near` follows is gone, so that another one was taken.
+    pub lost: bool,
     /// Whether the two branches of a hysteretic law differ by no more than rounding, so that which
     /// of them is followed is of no consequence.
     pub branches_meet: bool,
@@ -72,6 +74,7 @@ impl<S: Scalar> SlipJet<S> {
             lower_level: zero,
             margin: 1.0,
             between: false,
+            lost: false,
             branches_meet: false,
             // Laws with a curve of their own seldom come here: see `expand_order`.
             work: if law.exponential_curve().is_some() {
@@ -179,8 +182,8 @@ impl<S: Scalar> Slip<'_, S> {
             return;
         }
         let acceleration_0 = if k == 0 {
-            let (root, between) = self.loop_root(resisting, jet.speed[0], law);
-            jet.between = between;
+            let (root, between, lost) = self.loop_root(resisting, jet.speed[0], law);
+            (jet.between, jet.lost) = (between, lost);
             root
         } else {
             jet.acceleration[0]
@@ -214,11 +217,11 @@ impl<S: Scalar> Slip<'_, S> {
     }
 
     /// The stable root of the loop that continues the branch of `near`, or else the next one; and
-    /// whether there is none because zero acceleration lies between the branches.
-    fn loop_root(&self, resisting: S, speed: S, law: &TwoGaussian<S>) -> (S, bool) {
+    /// whether there is none because zero acceleration lies between the branches; and whether it is another branch.
+    fn loop_root(&self, resisting: S, speed: S, law: &TwoGaussian<S>) -> (S, bool, bool) {
         if self.is_unloaded() {
             let acceleration = -((resisting + self.constant_torque) * self.inverse_inertia);
-            return (acceleration, false);
+            return (acceleration, false, false);
         }
         let (e, v) = (resisting.value(), speed.value());
         let plain = TwoGaussian {
@@ -240,9 +243,10 @@ impl<S: Scalar> Slip<'_, S> {
         } else {
             loop_function.follow(self.near).map(Root::At)
         };
+        let lost = found.is_none();
         let root = match found.unwrap_or_else(|| loop_function.search(self.near)) {
             Root::At(root) => root,
-            Root::Between => return (S::constant(libm::copysign(0.0, self.near)), true),
+            Root::Between => return (S::constant(libm::copysign(0.0, self.near)), true, lost),
         };
         // One Newton step in the number type of the run carries the derivatives.
         let a = S::constant(root);
@@ -250,7 +254,7 @@ impl<S: Scalar> Slip<'_, S> {
         let residual = self.inertia * a + self.load[0] * level + resisting + self.constant_torque;
         let stiffness = S::constant((self.inertia + self.load[0] * slope).value());
         let correction = residual / stiffness;
-        (a - (correction - correction.value()), false)
+        (a - (correction - correction.value()), false, lost)
     }
 }
 

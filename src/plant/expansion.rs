@@ -30,9 +30,22 @@ impl<S: Scalar> Rig<S> {
         if jet.follows_tangent {
             return;
         }
+        self.expand_equations(mode, time, inputs, order, varying, jet);
+        self.set_guards(mode, jet);
+    }
+
+    #[inline(always)]
+    fn expand_equations(
+        &self,
+        mode: &RigMode,
+        time: S,
+        inputs: &RigInputs<S>,
+        order: usize,
+        varying: bool,
+        jet: &mut RigJet<S>,
+    ) {
         if jet.effects.is_none() {
             self.expand_plain(mode, inputs, order, jet);
-            self.set_guards(mode, jet);
             return;
         }
         let bodies = Bodies::new(self, mode, inputs);
@@ -40,7 +53,22 @@ impl<S: Scalar> Rig<S> {
         for k in 0..=order {
             bodies.expand_order(k, mode, time, varying, jet);
         }
-        self.set_guards(mode, jet);
+    }
+
+    /// As [`Self::expand_motion`] to the order that torques and first derivatives need, without guards.
+    pub(super) fn expand_instant(
+        &self,
+        mode: &RigMode,
+        time: S,
+        state: &RigState<S>,
+        inputs: &RigInputs<S>,
+        jet: &mut RigJet<S>,
+    ) {
+        // The velocity of bristles that give way is that of the torque which they carry.
+        let order = usize::from(self.effects.presliding.is_some());
+        let varying = self.start(time, state, inputs, order, jet);
+        jet.follows_tangent = false;
+        self.expand_equations(mode, time, inputs, order, varying, jet);
     }
 
     /// As [`Self::expand_motion`], on the slow manifold if `state` lies on it within `tolerance`;

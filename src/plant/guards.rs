@@ -67,7 +67,7 @@ impl<S: Scalar> Rig<S> {
         present.value
     }
 
-    fn watch(&self, mode: &RigMode, jet: &RigJet<S>, watcher: &mut impl Watcher<S>) {
+    pub(super) fn watch(&self, mode: &RigMode, jet: &RigJet<S>, watcher: &mut impl Watcher<S>) {
         let RigJet {
             states,
             disc,

@@ -81,6 +81,15 @@ impl<S: Scalar> Rig<S> {
         mode.set_contact(contact, next);
     }
 
+    /// Puts a contact into its first mode of sliding.
+    pub(super) fn set_sliding(&self, contact: Contact, direction: Direction, mode: &mut RigMode) {
+        mode.restart_root(contact, Regime::SpeedingUp);
+        mode.set_contact(
+            contact,
+            ContactMode::Slipping(direction, self.first_regime(contact)),
+        );
+    }
+
     fn first_regime(&self, contact: Contact) -> Regime {
         match self.law_of(contact) {
             Some(Law::Wojewoda(_)) => Regime::SpeedingUp,

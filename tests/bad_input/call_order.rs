@@ -17,11 +17,15 @@ enum State {
     Initialization,
     Event,
     Step,
+    /// Model exchange only.
+    Continuous,
     Terminated,
     /// FMI 2 only; in FMI 3 an error terminates.
     Failed,
 }
-use State::{Configuration, Event, Failed, Initialization, Instantiated, Step, Terminated};
+use State::{
+    Configuration, Continuous, Event, Failed, Initialization, Instantiated, Step, Terminated,
+};
 
 const STATES_2: [State; 5] = [Instantiated, Initialization, Step, Terminated, Failed];
 const STATES_3: [State; 6] = [
@@ -30,6 +34,23 @@ const STATES_3: [State; 6] = [
     Initialization,
     Event,
     Step,
+    Terminated,
+];
+
+const EXCHANGE_2: [State; 6] = [
+    Instantiated,
+    Initialization,
+    Event,
+    Continuous,
+    Terminated,
+    Failed,
+];
+const EXCHANGE_3: [State; 6] = [
+    Instantiated,
+    Configuration,
+    Initialization,
+    Event,
+    Continuous,
     Terminated,
 ];
 
@@ -45,19 +66,27 @@ impl State {
             (Initialization, _) => "Initialization Mode",
             (Event, _) => "Event Mode",
             (Step, Fmi3) => "Step Mode",
+            (Continuous, _) => "Continuous-Time Mode",
             (Terminated, Fmi3) => "Terminated",
         }
     }
 }
 
 /// An instance that legal calls took to a state.
-fn in_state(component: &Component, version: Version, state: State) -> Instance<'_> {
-    let instance = component.instantiate_with(version, true, true);
+fn in_state(component: &Component, version: Version, exchange: bool, state: State) -> Instance<'_> {
+    let instance = if exchange {
+        component.instantiate_for_exchange(version)
+    } else {
+        component.instantiate_with(version, true, true)
+    };
     let path: &[State] = match state {
         Instantiated => &[],
         Configuration => &[Configuration],
         Initialization => &[Initialization],
         Event => &[Initialization, Event],
+        Continuous => &[Initialization, Event, Continuous],
+        Failed if exchange => &[Initialization, Event, Continuous],
+        Terminated if exchange => &[Initialization, Event, Continuous, Terminated],
         Step | Failed => &[Initialization, Event, Step],
         Terminated => &[Initialization, Event, Step, Terminated],
     };
@@ -69,6 +98,7 @@ fn in_state(component: &Component, version: Version, state: State) -> Instance<'
             Event => instance.exit_initialization(),
             Step if version == Fmi3 => instance.enter_step_mode(),
             Step => Ok,
+            Continuous => instance.enter_continuous_time(),
             Terminated => instance.terminate(),
             Instantiated | Failed => Ok,
         };
@@ -163,11 +193,81 @@ const FMI3: &[Row] = &[
     ("fmi3FreeFMUState", ALWAYS_3, |c, mut state| unsafe { fmi3FreeFMUState(c, &mut state) }),
 ];
 
-fn every_call_in_every_state(version: Version, rows: &[Row], states: &[State]) {
+const EXCHANGE_READ_2: &[State] = &[Initialization, Event, Continuous, Terminated, Failed];
+const EXCHANGE_SET_2: &[State] = &[Instantiated, Initialization, Event, Continuous];
+
+/// Functions of FMI 2 on instances for model exchange.
+#[rustfmt::skip]
+const EXCHANGE_FMI2: &[Row] = &[
+    ("fmi2SetDebugLogging", &EXCHANGE_2, |c, _| unsafe { fmi2SetDebugLogging(c, 1, 0, null()) }),
+    ("fmi2SetupExperiment", &[Instantiated], |c, _| unsafe { fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0) }),
+    ("fmi2EnterInitializationMode", &[Instantiated], |c, _| unsafe { fmi2EnterInitializationMode(c) }),
+    ("fmi2ExitInitializationMode", &[Initialization], |c, _| unsafe { fmi2ExitInitializationMode(c) }),
+    ("fmi2Terminate", &[Event, Continuous], |c, _| unsafe { fmi2Terminate(c) }),
+    ("fmi2Reset", &EXCHANGE_2, |c, _| unsafe { fmi2Reset(c) }),
+    ("fmi2GetReal", EXCHANGE_READ_2, |c, _| unsafe { fmi2GetReal(c, &THETA, 1, &mut 0.0) }),
+    ("fmi2GetBoolean", EXCHANGE_READ_2, |c, _| unsafe { fmi2GetBoolean(c, null(), 0, null_mut()) }),
+    ("fmi2SetReal", EXCHANGE_SET_2, |c, _| unsafe { fmi2SetReal(c, &U, 1, &1.0) }),
+    ("fmi2EnterEventMode", &[Continuous], |c, _| unsafe { fmi2EnterEventMode(c) }),
+    ("fmi2NewDiscreteStates", &[Event], |c, _| unsafe { fmi2NewDiscreteStates(c, std::mem::MaybeUninit::uninit().as_mut_ptr()) }),
+    ("fmi2EnterContinuousTimeMode", &[Event], |c, _| unsafe { fmi2EnterContinuousTimeMode(c) }),
+    ("fmi2CompletedIntegratorStep", &[Continuous], |c, _| unsafe { fmi2CompletedIntegratorStep(c, 1, &mut 0, &mut 0) }),
+    ("fmi2SetTime", &[Event, Continuous], |c, _| unsafe { fmi2SetTime(c, 0.0) }),
+    ("fmi2SetContinuousStates", &[Continuous], |c, _| unsafe { fmi2SetContinuousStates(c, [0.0; 5].as_ptr(), 5) }),
+    ("fmi2GetDerivatives", EXCHANGE_READ_2, |c, _| unsafe { fmi2GetDerivatives(c, [0.0; 5].as_mut_ptr(), 5) }),
+    ("fmi2GetEventIndicators", EXCHANGE_READ_2, |c, _| unsafe { fmi2GetEventIndicators(c, [0.0; 5].as_mut_ptr(), 5) }),
+    ("fmi2GetContinuousStates", EXCHANGE_READ_2, |c, _| unsafe { fmi2GetContinuousStates(c, [0.0; 5].as_mut_ptr(), 5) }),
+    ("fmi2GetNominalsOfContinuousStates", &EXCHANGE_2, |c, _| unsafe { fmi2GetNominalsOfContinuousStates(c, [0.0; 5].as_mut_ptr(), 5) }),
+    ("fmi2GetDirectionalDerivative", EXCHANGE_READ_2, |c, _| unsafe { fmi2GetDirectionalDerivative(c, &THETA, 1, &U, 1, &1.0, &mut 0.0) }),
+    ("fmi2GetFMUstate", &EXCHANGE_2, |c, _| unsafe { fmi2GetFMUstate(c, &mut null_mut()) }),
+    ("fmi2SetFMUstate", &EXCHANGE_2, |c, state| unsafe { fmi2SetFMUstate(c, state) }),
+];
+
+const EXCHANGE_READ_3: &[State] = &[Instantiated, Initialization, Event, Continuous, Terminated];
+const EXCHANGE_SET_3: &[State] = &[
+    Instantiated,
+    Configuration,
+    Initialization,
+    Event,
+    Continuous,
+];
+const EXCHANGE_VECTORS_3: &[State] = &[Initialization, Event, Continuous, Terminated];
+
+/// Functions of FMI 3 on instances for model exchange.
+#[rustfmt::skip]
+const EXCHANGE_FMI3: &[Row] = &[
+    ("fmi3EnterInitializationMode", &[Instantiated], |c, _| unsafe { fmi3EnterInitializationMode(c, 0, 0.0, 0.0, 0, 0.0) }),
+    ("fmi3ExitInitializationMode", &[Initialization], |c, _| unsafe { fmi3ExitInitializationMode(c) }),
+    ("fmi3EnterConfigurationMode", &[Instantiated], |c, _| unsafe { fmi3EnterConfigurationMode(c) }),
+    ("fmi3ExitConfigurationMode", &[Configuration], |c, _| unsafe { fmi3ExitConfigurationMode(c) }),
+    ("fmi3EnterEventMode", &[Continuous], |c, _| unsafe { fmi3EnterEventMode(c) }),
+    ("fmi3EvaluateDiscreteStates", &[Event], |c, _| unsafe { fmi3EvaluateDiscreteStates(c) }),
+    ("fmi3UpdateDiscreteStates", &[Event], |c, _| unsafe { fmi3UpdateDiscreteStates(c, &mut 0, &mut 0, &mut 0, &mut 0, &mut 0, &mut 0.0) }),
+    ("fmi3EnterContinuousTimeMode", &[Event], |c, _| unsafe { fmi3EnterContinuousTimeMode(c) }),
+    ("fmi3CompletedIntegratorStep", &[Continuous], |c, _| unsafe { fmi3CompletedIntegratorStep(c, 1, &mut 0, &mut 0) }),
+    ("fmi3SetTime", &[Event, Continuous], |c, _| unsafe { fmi3SetTime(c, 0.0) }),
+    ("fmi3SetContinuousStates", &[Continuous], |c, _| unsafe { fmi3SetContinuousStates(c, [0.0; 5].as_ptr(), 5) }),
+    ("fmi3GetContinuousStateDerivatives", EXCHANGE_VECTORS_3, |c, _| unsafe { fmi3GetContinuousStateDerivatives(c, [0.0; 5].as_mut_ptr(), 5) }),
+    ("fmi3GetEventIndicators", EXCHANGE_VECTORS_3, |c, _| unsafe { fmi3GetEventIndicators(c, [0.0; 5].as_mut_ptr(), 5) }),
+    ("fmi3GetContinuousStates", EXCHANGE_VECTORS_3, |c, _| unsafe { fmi3GetContinuousStates(c, [0.0; 5].as_mut_ptr(), 5) }),
+    ("fmi3GetNominalsOfContinuousStates", EXCHANGE_VECTORS_3, |c, _| unsafe { fmi3GetNominalsOfContinuousStates(c, [0.0; 5].as_mut_ptr(), 5) }),
+    ("fmi3GetNumberOfContinuousStates", &EXCHANGE_3, |c, _| unsafe { fmi3GetNumberOfContinuousStates(c, &mut 0) }),
+    ("fmi3GetNumberOfEventIndicators", &EXCHANGE_3, |c, _| unsafe { fmi3GetNumberOfEventIndicators(c, &mut 0) }),
+    ("fmi3Terminate", &[Event, Continuous], |c, _| unsafe { fmi3Terminate(c) }),
+    ("fmi3Reset", &EXCHANGE_3, |c, _| unsafe { fmi3Reset(c) }),
+    ("fmi3GetFloat64", EXCHANGE_READ_3, |c, _| unsafe { fmi3GetFloat64(c, &THETA, 1, &mut 0.0, 1) }),
+    ("fmi3SetFloat64", EXCHANGE_SET_3, |c, _| unsafe { fmi3SetFloat64(c, null(), 0, null(), 0) }),
+    ("fmi3GetDirectionalDerivative", EXCHANGE_VECTORS_3, |c, _| unsafe { fmi3GetDirectionalDerivative(c, &THETA, 1, &U, 1, &1.0, 1, &mut 0.0, 1) }),
+    ("fmi3GetAdjointDerivative", EXCHANGE_VECTORS_3, |c, _| unsafe { fmi3GetAdjointDerivative(c, &THETA, 1, &U, 1, &1.0, 1, &mut 0.0, 1) }),
+    ("fmi3GetFMUState", &EXCHANGE_3, |c, _| unsafe { fmi3GetFMUState(c, &mut null_mut()) }),
+    ("fmi3SetFMUState", &EXCHANGE_3, |c, state| unsafe { fmi3SetFMUState(c, state) }),
+];
+
+fn every_call_in_every_state(version: Version, exchange: bool, rows: &[Row], states: &[State]) {
     let component = Component::new(REDUCED_RIG);
     for (function, allowed, call) in rows {
         for state in states {
-            let mut instance = in_state(&component, version, *state);
+            let mut instance = in_state(&component, version, exchange, *state);
             let saved = instance.save();
             // SAFETY: all pointers are valid.
             let status = unsafe { call(instance.handle, saved) };
@@ -202,10 +302,36 @@ fn every_call_in_every_state(version: Version, rows: &[Row], states: &[State]) {
 
 #[test]
 fn every_function_of_fmi_2_in_every_state() {
-    every_call_in_every_state(Fmi2, FMI2, &STATES_2);
+    every_call_in_every_state(Fmi2, false, FMI2, &STATES_2);
 }
 
 #[test]
 fn every_function_of_fmi_3_in_every_state() {
-    every_call_in_every_state(Fmi3, FMI3, &STATES_3);
+    every_call_in_every_state(Fmi3, false, FMI3, &STATES_3);
+}
+
+#[test]
+fn every_function_of_model_exchange_in_every_state() {
+    every_call_in_every_state(Fmi2, true, EXCHANGE_FMI2, &EXCHANGE_2);
+    every_call_in_every_state(Fmi3, true, EXCHANGE_FMI3, &EXCHANGE_3);
+}
+
+#[test]
+fn functions_of_the_other_kind_say_so() {
+    let component = Component::new(REDUCED_RIG);
+    let mut exchange = in_state(&component, Fmi2, true, Continuous);
+    assert_eq!(exchange.step_from(0.0, 0.1).status, Error);
+    let line = exchange.log.only("fmi2DoStep");
+    assert!(
+        line.text
+            .contains("is for co-simulation; this instance was made for model exchange")
+    );
+    exchange.reset();
+    let stepper = in_state(&component, Fmi3, false, Step);
+    assert_eq!(stepper.set_states(&[0.0; 5]), Error);
+    let line = stepper.log.only("fmi3SetContinuousStates");
+    assert!(
+        line.text
+            .contains("is for model exchange; this instance was made for co-simulation")
+    );
 }

@@ -71,6 +71,7 @@ def test_every_section_is_there(open_report):
         "The noise floor",
         "What it could be confused with",
         "How to use the amended FMU",
+        "About the records",
     ]
 
 

@@ -7,6 +7,7 @@
 
 pub mod energy;
 pub mod grazing;
+pub mod solver;
 
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, STATES};

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
 
 mod derivatives;
+pub mod exchange;
 mod log;
 mod states;
 
@@ -35,6 +36,8 @@ pub struct Request {
     pub logging: bool,
     pub event_mode: bool,
     pub early_return: bool,
+    /// Model exchange instead of co-simulation.
+    pub exchange: bool,
 }
 
 impl Request {
@@ -56,8 +59,30 @@ impl Request {
                         step_finished: None,
                         component_environment: log.environment(),
                     };
-                    fmi2::fmi2Instantiate(name, 1, token, resources, &functions, 0, logging.into())
+                    let kind = if self.exchange {
+                        fmi2::MODEL_EXCHANGE
+                    } else {
+                        fmi2::CO_SIMULATION
+                    };
+                    fmi2::fmi2Instantiate(
+                        name,
+                        kind,
+                        token,
+                        resources,
+                        &functions,
+                        0,
+                        logging.into(),
+                    )
                 }
+                Fmi3 if self.exchange => fmi3::fmi3InstantiateModelExchange(
+                    name,
+                    token,
+                    resources,
+                    0,
+                    logging.into(),
+                    log.environment(),
+                    Some(log::logger_3()),
+                ),
                 Fmi3 => fmi3::fmi3InstantiateCoSimulation(
                     name,
                     token,
@@ -116,6 +141,7 @@ impl Component {
             logging: true,
             event_mode: false,
             early_return: false,
+            exchange: false,
         }
     }
 
@@ -127,6 +153,15 @@ impl Component {
         let request = Request {
             event_mode: events,
             early_return: early,
+            ..self.request(version)
+        };
+        self.instance(version, &request)
+    }
+
+    /// An instance for model exchange.
+    pub fn instantiate_for_exchange(&self, version: Version) -> Instance<'_> {
+        let request = Request {
+            exchange: true,
             ..self.request(version)
         };
         self.instance(version, &request)

@@ -214,3 +214,53 @@ def test_check_finds_nothing_in_our_fmus(fmus):
     result = subprocess.run([PROGRAMS / "build-fmu", "check", *fmus.values()], capture_output=True, text=True)
     assert result.returncode == 0, result.stdout
     assert result.stdout.count("nothing found") == len(fmus)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_date_of_generation_is_the_one_that_reproducible_builds_name(tmp_path, monkeypatch, version):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    first, second = tmp_path / "a", tmp_path / "b"
+    assert build(MODELS["ReducedRig"], first).returncode == 0
+    path = first / f"ReducedRig.{version}.fmu"
+    assert fmpy.read_model_description(str(path)).generationDateAndTime == "2023-11-14T22:13:20Z"
+    assert fmpy.validation.validate_fmu(str(path)) == []
+    assert build(MODELS["ReducedRig"], second).returncode == 0
+    assert path.read_bytes() == (second / path.name).read_bytes()
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "today")
+    result = build(MODELS["ReducedRig"], tmp_path / "c")
+    assert result.returncode == 2 and "number of seconds since 1970-01-01" in result.stderr
+
+
+INSTANTIATE = """
+import ctypes, sys
+library, token, location = sys.argv[1:]
+lines = []
+@ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
+def log(environment, status, category, message):
+    lines.append((status, message.decode()))
+library = ctypes.CDLL(library)
+library.fmi3InstantiateCoSimulation.restype = ctypes.c_void_p
+instance = library.fmi3InstantiateCoSimulation(
+    b"rig", token.encode(), location.encode(), False, False, False, False, None, ctypes.c_size_t(0), None, log, None)
+print(bool(instance), lines)
+"""
+
+
+def test_wrong_resource_location_is_answered_with_the_library_s_own_folder(fmus, tmp_path):
+    """And says so, as the standard's warning (1); not with another token, and not with another model."""
+    fmu = fmus["ReducedRig", "fmi3"]
+    fmpy.extract(str(fmu), unzipdir=str(tmp_path))
+    token = fmpy.read_model_description(str(fmu)).instantiationToken
+    library = tmp_path / BINARIES["fmi3"] / "ReducedRig.so"
+
+    def instantiate(token, location):
+        command = [fmpy.sys.executable, "-c", INSTANTIATE, library, token, location]
+        return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+    assert instantiate(token, str(tmp_path / "resources")).startswith("True []")
+    for wrong in ("/nowhere", "file://nowhere/resources", "resources"):
+        said = instantiate(token, wrong)
+        assert said.startswith("True [(1, ") and "is taken instead" in said and wrong in said, said
+        assert instantiate("{" + token[2:], wrong).startswith("False [(3, ")
+    (tmp_path / "resources" / "model.toml").unlink()
+    assert instantiate(token, "/nowhere").startswith("False [(3, ")

@@ -365,12 +365,14 @@ impl Expectation {
                 return ERROR;
             }
         }
-        let mut values = Vec::new();
         for unknown in unknowns {
             let row = Self::row(&table, *unknown, VariableType::Real)?;
             if !matches!(row.causality, Causality::Output | Causality::Local) {
                 return ERROR;
             }
+        }
+        let mut values = Vec::new();
+        for unknown in unknowns {
             let mut sum = 0.0;
             for (known, seed) in knowns.iter().zip(seed) {
                 let partial = self.native.partial_derivative(*unknown, *known);

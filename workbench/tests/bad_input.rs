@@ -117,8 +117,13 @@ fn what_cannot_be_used_is_refused_with_what_would_be_right() {
         // Columns and what stands in them.
         (
             "run-a.csv",
-            |t| t.replacen("theta3,", "angle,", 1),
-            "has no column `theta3`",
+            |t| t.replacen("N2,", "force,", 1),
+            "has no column `N2`",
+        ),
+        (
+            "run-a.csv",
+            |t| t.replace("theta", "angle"),
+            "has no column of the motion",
         ),
         (
             "run-a.csv",
@@ -146,7 +151,7 @@ fn what_cannot_be_used_is_refused_with_what_would_be_right() {
         (
             "held-out.csv",
             |t| column(t, "theta", |_, _| "NaN".into()),
-            "no stretch of 1 s",
+            "no stretch of 0.975 s",
         ),
         (
             "held-out.csv",
@@ -259,12 +264,12 @@ fn what_cannot_be_used_is_refused_with_what_would_be_right() {
         (
             "run-a.csv",
             |t| lines(t, |row| row < 60),
-            "no stretch of 1 s",
+            "no stretch of 0.975 s",
         ),
         (
             "run-a.csv",
-            |t| lines(t, |row| row % 10 == 0),
-            "sampled every 0.100 s",
+            |t| lines(t, |row| row % 12 == 0),
+            "sampled every 0.1200 s",
         ),
         // The same measurement twice.
         (
@@ -316,8 +321,15 @@ fn what_cannot_be_used_is_refused_with_what_would_be_right() {
 #[test]
 fn what_can_be_used_is_used_and_said() {
     let whole = changed("model.toml", str::to_owned).unwrap();
-    assert_eq!(whole.runs.len(), 2);
-    assert!(whole.notes.is_empty(), "{:?}", whole.notes);
+    assert_eq!(whole.records.len(), 2);
+    // The model states no uncertainties and no file the instruments; nothing else has to be said.
+    assert!(
+        whole.notes.len() == 2
+            && whole.notes[0].contains("no relative_uncertainty")
+            && whole.notes[1].contains("no sensors.toml"),
+        "{:?}",
+        whole.notes
+    );
     let table: &[(&str, Change, &str, usize)] = &[
         (
             "run-a.csv",
@@ -358,10 +370,10 @@ fn what_can_be_used_is_used_and_said() {
             |t| {
                 t.lines()
                     .enumerate()
-                    .map(|(j, l)| format!("{l},{}\n", if j == 0 { "i" } else { "1" }))
+                    .map(|(j, l)| format!("{l},{}\n", if j == 0 { "temperature" } else { "1" }))
                     .collect()
             },
-            "columns not used: i",
+            "columns not used: temperature",
             2,
         ),
     ];
@@ -372,7 +384,7 @@ fn what_can_be_used_is_used_and_said() {
             "{words}: {:?}",
             case.notes
         );
-        assert_eq!(case.runs.len(), *runs, "{words}");
+        assert_eq!(case.records.len(), *runs, "{words}");
     }
 }
 
@@ -425,7 +437,7 @@ fn a_stretch_after_a_hole_is_followed_from_where_the_disc_is() {
         lines(text, |row| !(150..300).contains(&row))
     })
     .unwrap();
-    let data = case.training();
+    let data = case.problem().unwrap().long;
     let second = data.windows.iter().find(|window| window.run == 1).unwrap();
     let angle = data.runs[1].readings[0][0];
     assert!(
@@ -478,12 +490,13 @@ fn the_answer_does_not_depend_on_the_sampling() {
     assert!(
         fast.notes
             .iter()
-            .any(|note| note.contains("every 10th sample is used")),
+            .any(|note| note.contains("one sample in 10 is used")),
         "{:?}",
         fast.notes
     );
-    assert_eq!(fast.runs[0].len(), usual.runs[0].len());
-    assert!((slow.runs[0].interval() - 0.02).abs() < 1e-9);
+    let interval = |case: &Case| case.records[0].time[1] - case.records[0].time[0];
+    assert!((interval(&fast) / interval(&usual) - 1.0).abs() < 1e-9);
+    assert!((interval(&slow) - 0.02).abs() < 1e-9);
     for torque in [fast_torque, slow_torque] {
         assert!((torque / TORQUE - 1.0).abs() < 0.05, "{torque}");
     }

@@ -12,19 +12,19 @@ mod common;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use inference::search::fit_effects;
+use inference::window::Begin;
 use workbench::component::Native;
 use workbench::diagnose::amend::{self, amended_model};
 use workbench::diagnose::case::{Case, CaseArguments};
 use workbench::diagnose::finding::{Finding, VerdictName};
 use workbench::diagnose::finding::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
-use workbench::diagnose::forced::fit_effects;
 use workbench::diagnose::naming::{forced_finding, name};
 use workbench::diagnose::report::Report;
 use workbench::diagnose::residual_torque::residual_torques;
 use workbench::diagnose::restart::course;
 use workbench::diagnose::restart::{best_starts, window_courses};
 use workbench::diagnose::show::{Comparison, Shown};
-use workbench::diagnose::window::Begin;
 
 use common::stickslip;
 
@@ -77,21 +77,16 @@ fn the_right_effect_is_named_with_its_size() {
 #[test]
 fn the_gap_closes_on_the_held_out_record() {
     let case = load();
-    let forced = fit_effects(
-        &case.training(),
-        &case.model,
-        &["unbalance".to_owned()],
-        &mut |_| {},
-    )
-    .unwrap();
-    let finding = forced_finding(&case, &["unbalance".to_owned()], &forced, None).unwrap();
+    let names = ["unbalance".to_owned()];
+    let finding = forced_finding(&case, &names, None, &mut |_| {}).unwrap();
     let model = amended_model(&case, &finding).unwrap();
     let text = amend::text(&case, &finding, &model).unwrap();
-    let data = case.judging(Begin::Clear);
-    let error = |text: &str, rig| {
-        let starts = best_starts(&data, rig);
+    let judging = case.judging(Begin::Clear).unwrap();
+    let error = |text: &str, rig: &stickslip::plant::Rig<f64>| {
+        let plant = judging.units.to_plant(rig).unwrap();
+        let starts = best_starts(&judging.data, &plant).to_set(&plant, &judging.units);
         let mut native = Native::from_text(text, "model").unwrap();
-        let courses = window_courses(&mut native, &data, &starts.states, 0.0).unwrap();
+        let courses = window_courses(&mut native, &judging, &starts, 0.0).unwrap();
         let (square, residuals) = courses
             .iter()
             .flatten()
@@ -112,24 +107,26 @@ fn the_gap_closes_on_the_held_out_record() {
 fn a_finding_can_be_disagreed_with() {
     let case = load();
     let names = vec!["viscous_drag".to_owned()];
-    let forced = fit_effects(&case.training(), &case.model, &names, &mut |_| {}).unwrap();
-    let finding = forced_finding(&case, &names, &forced, None).unwrap();
+    let finding = forced_finding(&case, &names, None, &mut |_| {}).unwrap();
     assert_eq!(finding.effects[0].name, "viscous_drag");
     assert!(finding.notes.iter().any(|note| note.contains("--effect")));
     let place = tempfile::tempdir().unwrap();
     finding.write(place.path()).unwrap();
     let read = Finding::read(place.path()).unwrap();
-    let (amended, fitted) = (
-        amended_model(&case, &read).unwrap().rig,
-        forced.fit.hypothesis.rig_at().unwrap(),
-    );
+    let problem = case.problem().unwrap();
+    let fitted = fit_effects(&problem, &["viscous_drag"], &mut |_| {}).unwrap();
+    let fitted = problem
+        .units
+        .to_si(&fitted.fit.hypothesis.rig_at().unwrap())
+        .unwrap();
+    let amended = amended_model(&case, &read).unwrap().rig;
     assert_eq!(amended.parameters(), fitted.parameters());
     for parameter in fitted.parameters() {
         let value = |rig: &stickslip::plant::Rig<f64>| rig.parameter(&parameter.name).unwrap();
         let (left, right) = (value(&amended), value(&fitted));
-        // JSON may round the last digit.
+        // Units and JSON may round the last digits.
         assert!(
-            (left - right).abs() <= 1e-14 * right.abs(),
+            (left - right).abs() <= 1e-12 * right.abs(),
             "{}: {left} {right}",
             parameter.name
         );
@@ -157,25 +154,26 @@ fn too_little_is_refused() {
     fs::write(
         &path,
         text.lines()
-            .take(302)
+            .take(202)
             .map(|l| format!("{l}\n"))
             .collect::<String>(),
     )
     .unwrap();
     let message = arguments(place.path()).load().unwrap_err().to_string();
-    assert!(message.contains("at least 5 s"), "{message}");
+    assert!(message.contains("at least 3 periods"), "{message}");
 }
 
 /// A comparison of a model with itself, as a report needs it.
 fn comparison(case: &Case) -> Comparison {
-    let data = case.judging(Begin::Clear);
-    let starts = best_starts(&data, &case.model.rig);
+    let judging = case.judging(Begin::Clear).unwrap();
+    let plant = judging.units.to_plant(&case.model.rig).unwrap();
+    let starts = best_starts(&judging.data, &plant).to_set(&plant, &judging.units);
     let shown = || {
         let mut native = Native::from_text(&case.model_text, "model").unwrap();
-        let run = &data.runs[0];
-        let windows = window_courses(&mut native, &data, &starts.states, 0.0).unwrap();
+        let run = &judging.records[0];
+        let windows = window_courses(&mut native, &judging, &starts, 0.0).unwrap();
         let (free_run, friction) =
-            course(&mut native, run, 0, run.len() - 1, &starts.states[0]).unwrap();
+            course(&mut native, run, 0, run.time.len() - 1, &starts[0]).unwrap();
         Shown {
             windows,
             free_run,
@@ -207,7 +205,7 @@ fn comparison(case: &Case) -> Comparison {
             fmi2_before: 20.0,
             fmi2_after: 20.0,
         },
-        windows: data.windows.len(),
+        windows: judging.data.windows.len(),
         windows_left_aside: 0,
     };
     let (before, after) = (shown(), shown());
@@ -216,7 +214,7 @@ fn comparison(case: &Case) -> Comparison {
         free_stretch: 0,
         before,
         after,
-        data,
+        judging,
     }
 }
 
@@ -224,12 +222,12 @@ fn comparison(case: &Case) -> Comparison {
 fn the_report_is_well_formed_and_refers_to_nothing_outside() {
     let case = load();
     let names = vec!["unbalance".to_owned()];
-    let forced = fit_effects(&case.training(), &case.model, &names, &mut |_| {}).unwrap();
-    let mut finding = forced_finding(&case, &names, &forced, None).unwrap();
+    let mut finding = forced_finding(&case, &names, None, &mut |_| {}).unwrap();
     let comparison = comparison(&case);
     finding.gap = Some(comparison.gap.clone());
     finding.notes.push("less < than & \"more\"".to_owned());
-    let residuals = residual_torques(&case.training(), &case.model.rig);
+    let problem = case.problem().unwrap();
+    let residuals = residual_torques(&problem.long, &problem.units, &case.model.rig).unwrap();
     assert!(
         residuals.iter().any(|r| r.disc.abs() > 0.02),
         "an unbalance of 0.046 N m must show"

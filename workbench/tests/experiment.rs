@@ -94,7 +94,9 @@ fn the_experiment_decides_what_the_records_left_open() {
     let dry = found("bearing_friction").unwrap_or(drag * 4.6);
     let first = motion(&format!("[viscous_drag]\ncoefficient = {drag}"), "drag");
     let second = motion(&format!("[bearing_friction]\ntorque = {dry}"), "dry");
-    let deviation = Sensors::default().deviations()[0];
+    let deviation = Sensors::dissertation()
+        .completed(&inference::record::Instruments::default())
+        .deviations()[0];
     let distance: f64 = first
         .iter()
         .zip(&second)

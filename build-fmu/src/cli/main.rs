@@ -68,7 +68,7 @@ enum Command {
         #[arg(long)]
         no_load: bool,
     },
-    /// Pack several models with their connections into a system structure archive (SSP 1.0).
+    /// Pack models with their connections, or a single one, into a system structure archive (SSP 1.0).
     #[command(
         after_help = "Example:\n  build-fmu ssp modelDescription/reduced-rig.toml \
                             modelDescription/soft-torque.toml --start omega_ref=5.76 --start N2=50 --out out\n\

@@ -133,10 +133,8 @@ fn variables(facts: &Facts<'_>) -> String {
         .iter()
         .filter(|variable| variable.causality != Causality::Parameter)
         .map(|variable| {
-            let also = |alias| format!("{} (also {alias})", variable.name);
-            let name = variable.alias.map_or(variable.name.clone(), also);
             row(&[
-                ("", &name),
+                ("", &variable.name),
                 ("", variable.causality.xml()),
                 ("", variable.unit.as_deref().unwrap_or("Boolean")),
                 ("n", &start(variable)),

@@ -37,6 +37,8 @@ pub enum Rule {
     Type,
     /// The model structure does not list the outputs once each, or refers to nothing.
     Structure,
+    /// States, derivatives, event indicators or unknowns of the initialisation do not fit together.
+    ModelExchange,
     /// The date is no date or lies in the future.
     Date,
     /// The default experiment ends before it starts or has a step that is not above zero.
@@ -75,6 +77,7 @@ impl Rule {
             Rule::Unit => "unit",
             Rule::Type => "type",
             Rule::Structure => "structure",
+            Rule::ModelExchange => "model-exchange",
             Rule::Date => "date",
             Rule::Experiment => "experiment",
             Rule::ListedFile => "listed-file",

@@ -2,6 +2,7 @@
 
 mod binaries;
 mod description;
+mod exchange;
 mod finding;
 mod index;
 mod listed_files;
@@ -32,6 +33,7 @@ pub fn check(package: &Package, loading: Loading) -> Vec<Finding> {
             findings.extend(variables::check(&description));
             findings.extend(units::check(&description));
             findings.extend(structure::check(&description));
+            findings.extend(exchange::check(&description));
             findings.extend(listed_files::check(package, &description));
             findings.extend(binaries::check(package, &description, loading));
         }

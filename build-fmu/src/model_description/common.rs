@@ -13,22 +13,23 @@ pub(super) struct Dialect {
     /// Name of the root's attribute that holds the token.
     pub(super) token: &'static str,
     /// Further attributes of the root.
-    pub(super) root: fn(Attributes) -> Attributes,
+    pub(super) root: fn(Attributes, &Facts<'_>) -> Attributes,
+    /// Attributes of `ModelExchange`.
+    pub(super) model_exchange_flags: fn(&Facts<'_>) -> Attributes,
     /// Attributes of `CoSimulation`.
     pub(super) capability_flags: fn(&Facts<'_>) -> Attributes,
     /// `TypeDefinitions`.
     pub(super) type_definitions: fn(&mut Document, &Facts<'_>) -> Result<(), XmlError>,
+    /// Whether a row is among `ModelVariables`.
+    pub(super) lists: fn(&Variable) -> bool,
     /// An element of `ModelVariables`.
     pub(super) variable: fn(&mut Document, &Variable) -> Result<(), XmlError>,
-    /// Elements behind those of the table, where unknowns that are counted by their place are not moved.
-    pub(super) further_variables: fn(&Facts<'_>) -> Vec<Variable>,
     /// `ModelStructure`.
     pub(super) model_structure: fn(&mut Document, &Facts<'_>) -> Result<(), XmlError>,
 }
 
 /// The whole description.
 pub(super) fn description(facts: &Facts<'_>, dialect: &Dialect) -> Result<String, XmlError> {
-    // No generationDateAndTime: the same model gives the same bytes on every day.
     let root = Attributes::new()
         .text("fmiVersion", dialect.version)
         .text("modelName", facts.identity.model_identifier)
@@ -37,21 +38,25 @@ pub(super) fn description(facts: &Facts<'_>, dialect: &Dialect) -> Result<String
         .text("version", env!("CARGO_PKG_VERSION"))
         .text("license", env!("CARGO_PKG_LICENSE"))
         .text("generationTool", generation_tool())
+        .optional_text("generationDateAndTime", facts.generated)
         .text("variableNamingConvention", "structured");
     let mut document = Document::new()?;
-    document.element("fmiModelDescription", (dialect.root)(root), |xml| {
+    document.element("fmiModelDescription", (dialect.root)(root, facts), |xml| {
+        if facts.table.derivatives().next().is_some() {
+            xml.leaf("ModelExchange", (dialect.model_exchange_flags)(facts))?;
+        }
         xml.leaf("CoSimulation", (dialect.capability_flags)(facts))?;
         unit_definitions(xml, facts)?;
         (dialect.type_definitions)(xml, facts)?;
         log_categories(xml)?;
         default_experiment(xml, facts)?;
         xml.element("ModelVariables", Attributes::new(), |xml| {
-            let variables = facts.table.variables();
-            let further = (dialect.further_variables)(facts);
-            variables
+            let mut variables = facts
+                .table
+                .variables()
                 .iter()
-                .chain(&further)
-                .try_for_each(|row| (dialect.variable)(xml, row))
+                .filter(|row| (dialect.lists)(row));
+            variables.try_for_each(|row| (dialect.variable)(xml, row))
         })?;
         (dialect.model_structure)(xml, facts)
     })?;

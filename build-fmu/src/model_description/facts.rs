@@ -13,6 +13,8 @@ pub struct Facts<'a> {
     pub token: &'a str,
     /// The one variable table.
     pub table: &'a VariableTable,
+    /// `generationDateAndTime`; `None`: the XML has none.
+    pub generated: Option<&'a str>,
 }
 
 impl Facts<'_> {
@@ -24,10 +26,12 @@ impl Facts<'_> {
             .collect()
     }
 
-    /// Outputs whose first value is calculated: both standards list these unknowns of the initialisation, and no locals.
+    /// Outputs and derivatives whose first value is calculated: both standards list these unknowns of the initialisation, and
+    /// no other locals.
     pub(super) fn initial_unknowns(&self) -> impl Iterator<Item = &Variable> {
         self.table
             .outputs()
+            .chain(self.table.derivatives())
             .filter(|variable| variable.initial == Some(Initial::Calculated))
     }
 }

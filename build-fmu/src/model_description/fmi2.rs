@@ -1,6 +1,6 @@
 //! FMI 2.0.5 `modelDescription.xml`.
 
-use stickslip::cosim::{Causality, MAX_OUTPUT_DERIVATIVE_ORDER, Variable, VariableType};
+use stickslip::cosim::{MAX_OUTPUT_DERIVATIVE_ORDER, Variable, VariableType};
 
 use super::common::{Dialect, boolean_start, description, head, real};
 use super::facts::{Facts, index};
@@ -10,14 +10,28 @@ pub(super) fn write(facts: &Facts<'_>) -> Result<String, XmlError> {
     let dialect = Dialect {
         version: "2.0",
         token: "guid",
-        root: |root| root.text("numberOfEventIndicators", "0"),
+        root: |root, facts| {
+            let indicators = facts.table.event_indicators().count();
+            root.text("numberOfEventIndicators", indicators.to_string())
+        },
+        model_exchange_flags,
         capability_flags,
         type_definitions,
+        // Their number says all. They are the last rows, so that places stay what they are.
+        lists: |row| !row.event_indicator,
         variable: scalar_variable,
-        further_variables: aliases,
         model_structure,
     };
     description(facts, &dialect)
+}
+
+fn model_exchange_flags(facts: &Facts<'_>) -> Attributes {
+    Attributes::new()
+        .text("modelIdentifier", facts.identity.model_identifier)
+        .flag("canNotUseMemoryManagementFunctions", true)
+        .flag("canGetAndSetFMUstate", true)
+        .flag("canSerializeFMUstate", true)
+        .flag("providesDirectionalDerivative", true)
 }
 
 fn capability_flags(facts: &Facts<'_>) -> Attributes {
@@ -54,30 +68,28 @@ fn type_definitions(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlErro
 }
 
 fn scalar_variable(xml: &mut Document, variable: &Variable) -> Result<(), XmlError> {
+    let mut second;
+    let mut variable = variable;
+    if let Some(first) = variable.alias_of {
+        // Variables that share a value reference are aliases; only the first of such a set has a start value.
+        second = variable.clone();
+        (second.value_reference, second.initial) = (first, None);
+        variable = &second;
+    }
     let typed = |xml: &mut Document| match variable.variable_type {
-        VariableType::Real => xml.leaf("Real", real(Attributes::new(), variable)),
+        VariableType::Real => {
+            let derivative = variable.derivative_of.map(|state| index(state).to_string());
+            let attributes = real(Attributes::new(), variable)
+                .optional_text("derivative", derivative.as_deref());
+            let reinit = variable.reinit.then_some("true");
+            xml.leaf("Real", attributes.optional_text("reinit", reinit))
+        }
         VariableType::Boolean => xml.leaf(
             "Boolean",
             Attributes::new().optional_text("start", boolean_start(variable.start)),
         ),
     };
     xml.element("ScalarVariable", head(variable), typed)
-}
-
-/// Second names as variables that share the value reference; only the first of such a set has a start value.
-fn aliases(facts: &Facts<'_>) -> Vec<Variable> {
-    let variables = facts.table.variables().iter();
-    variables
-        .filter_map(|variable| {
-            Some(Variable {
-                name: variable.alias?.to_owned(),
-                causality: Causality::Local,
-                initial: None,
-                start: None,
-                ..variable.clone()
-            })
-        })
-        .collect()
 }
 
 fn model_structure(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlError> {
@@ -88,6 +100,12 @@ fn model_structure(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlError
                 .outputs()
                 .try_for_each(|output| unknown(xml, output, &output.dependencies))
         })?;
+        if facts.table.derivatives().next().is_some() {
+            xml.element("Derivatives", Attributes::new(), |xml| {
+                let mut derivatives = facts.table.derivatives();
+                derivatives.try_for_each(|variable| unknown(xml, variable, &variable.dependencies))
+            })?;
+        }
         if facts.initial_unknowns().next().is_none() {
             return Ok(());
         }

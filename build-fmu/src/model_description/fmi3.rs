@@ -10,14 +10,24 @@ pub(super) fn write(facts: &Facts<'_>) -> Result<String, XmlError> {
     let dialect = Dialect {
         version: "3.0",
         token: "instantiationToken",
-        root: |root| root,
+        root: |root, _| root,
+        model_exchange_flags,
         capability_flags,
         type_definitions,
+        lists: |_| true,
         variable,
-        further_variables: |_| Vec::new(),
         model_structure,
     };
     description(facts, &dialect)
+}
+
+fn model_exchange_flags(facts: &Facts<'_>) -> Attributes {
+    Attributes::new()
+        .text("modelIdentifier", facts.identity.model_identifier)
+        .flag("canGetAndSetFMUState", true)
+        .flag("canSerializeFMUState", true)
+        .flag("providesDirectionalDerivatives", true)
+        .flag("providesAdjointDerivatives", true)
 }
 
 fn capability_flags(facts: &Facts<'_>) -> Attributes {
@@ -26,6 +36,7 @@ fn capability_flags(facts: &Facts<'_>) -> Attributes {
         .flag("canGetAndSetFMUState", true)
         .flag("canSerializeFMUState", true)
         .flag("providesDirectionalDerivatives", true)
+        .flag("providesAdjointDerivatives", true)
         .flag("canHandleVariableCommunicationStepSize", true)
         .text(
             "maxOutputDerivativeOrder",
@@ -52,17 +63,11 @@ fn variable(xml: &mut Document, variable: &Variable) -> Result<(), XmlError> {
     let head = head(variable);
     match variable.variable_type {
         VariableType::Real => {
-            let attributes = real(head, variable);
-            let Some(alias) = variable.alias else {
-                return xml.leaf("Float64", attributes);
-            };
-            xml.element("Float64", attributes, |xml| {
-                let attributes = Attributes::new()
-                    .text("name", alias)
-                    .text("description", &variable.description)
-                    .optional_text("displayUnit", variable.display_unit);
-                xml.leaf("Alias", attributes)
-            })
+            let derivative = variable.derivative_of.map(|state| state.to_string());
+            let attributes =
+                real(head, variable).optional_text("derivative", derivative.as_deref());
+            let reinit = variable.reinit.then_some("true");
+            xml.leaf("Float64", attributes.optional_text("reinit", reinit))
         }
         VariableType::Boolean => xml.leaf(
             "Boolean",
@@ -77,12 +82,23 @@ fn model_structure(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlError
             .table
             .outputs()
             .try_for_each(|output| unknown(xml, "Output", output, &output.dependencies))?;
+        facts.table.derivatives().try_for_each(|variable| {
+            let element = "ContinuousStateDerivative";
+            unknown(xml, element, variable, &variable.dependencies)
+        })?;
         facts.initial_unknowns().try_for_each(|variable| {
             unknown(
                 xml,
                 "InitialUnknown",
                 variable,
                 &variable.initial_dependencies,
+            )
+        })?;
+        facts.table.event_indicators().try_for_each(|variable| {
+            let reference = variable.value_reference.to_string();
+            xml.leaf(
+                "EventIndicator",
+                Attributes::new().text("valueReference", reference),
             )
         })
     })

@@ -1,6 +1,7 @@
 //! `modelDescription.xml` of both standards and `terminalsAndIcons.xml`, written from the variable table.
 
 mod common;
+mod date;
 mod facts;
 mod fmi2;
 mod fmi3;
@@ -8,6 +9,7 @@ mod quantity;
 mod terminals;
 mod xml;
 
+pub use date::{DateError, SOURCE_DATE_EPOCH, generation_date};
 pub use facts::Facts;
 pub use quantity::{QuantityType, quantity_type};
 pub use terminals::terminals_and_icons;
@@ -62,7 +64,10 @@ mod tests {
             maximum: None,
             nominal: None,
             description: format!("{name} of the sample"),
-            alias: None,
+            alias_of: None,
+            derivative_of: None,
+            reinit: false,
+            event_indicator: false,
             dependencies: Vec::new(),
             initial_dependencies: Vec::new(),
         }
@@ -110,6 +115,7 @@ mod tests {
             identity: &IDENTITY,
             token: "{1}",
             table: &table,
+            generated: None,
         };
         model_description(&facts, version).unwrap()
     }
@@ -162,12 +168,29 @@ mod tests {
     }
 
     #[test]
+    fn a_date_is_written_if_there_is_one() {
+        let table = sample();
+        let facts = Facts {
+            identity: &IDENTITY,
+            token: "{1}",
+            table: &table,
+            generated: Some("2026-11-24T23:59:59Z"),
+        };
+        for version in FmiVersion::ALL {
+            let xml = model_description(&facts, version).unwrap();
+            let date = "generationDateAndTime=\"2026-11-24T23:59:59Z\"";
+            assert!(xml.contains(date), "{xml}");
+        }
+    }
+
+    #[test]
     fn terminals_hold_only_variables_of_the_model() {
         let table = sample();
         let facts = Facts {
             identity: &IDENTITY,
             token: "{1}",
             table: &table,
+            generated: None,
         };
         let xml = terminals_and_icons(&facts).unwrap();
         assert!(xml.contains("<Terminal name=\"disc\"") && xml.contains("variableName=\"T_f\""));

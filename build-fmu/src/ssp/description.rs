@@ -7,6 +7,11 @@ use crate::model_description::{Attributes, Document, XmlError};
 use crate::platform::FmiVersion;
 
 const NAMESPACE: &str = "http://ssp-standard.org/SSP1/SystemStructure";
+/// Namespace of OMSimulator's own annotations.
+const OMS_NAMESPACE: &str =
+    "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd";
+/// Communication step [s] of connected components: the stiffest loop of ours needs it (docs/closed-loop.md).
+const LOOP_STEP: f64 = 0.0005;
 
 /// The description of a system whose components are FMUs of this version.
 pub(super) fn write(system: &System, version: FmiVersion) -> Result<String, XmlError> {
@@ -14,6 +19,7 @@ pub(super) fn write(system: &System, version: FmiVersion) -> Result<String, XmlE
         .text("xmlns:ssd", format!("{NAMESPACE}Description"))
         .text("xmlns:ssc", format!("{NAMESPACE}Common"))
         .text("xmlns:ssv", format!("{NAMESPACE}ParameterValues"))
+        .text("xmlns:oms", OMS_NAMESPACE)
         .text("version", "1.0")
         .text("name", system.name())
         .text(
@@ -30,14 +36,19 @@ pub(super) fn write(system: &System, version: FmiVersion) -> Result<String, XmlE
                     let mut ends = system.free_inputs().chain(outputs);
                     ends.try_for_each(|(_, variable)| connector(xml, variable))
                 })?;
+                // Without values of their own, the system's inputs overwrite the components' starts in OMSimulator.
+                parameter_bindings(xml, &system.input_starts().collect::<Vec<_>>())?;
             }
             xml.element("ssd:Elements", Attributes::new(), |xml| {
                 (0..system.components().len())
                     .try_for_each(|place| component(xml, system, place, version))
             })?;
-            xml.element("ssd:Connections", Attributes::new(), |xml| {
-                connections(xml, system)
-            })
+            if system.has_connections() {
+                xml.element("ssd:Connections", Attributes::new(), |xml| {
+                    connections(xml, system)
+                })?;
+            }
+            master(xml, system)
         })?;
         units(xml, system)?;
         let stop_time = system
@@ -116,30 +127,66 @@ fn component(
                 .filter(|v| matches!(v.causality, Causality::Input | Causality::Output))
                 .try_for_each(|variable| connector(xml, variable))
         })?;
-        if system.starts(place).next().is_none() {
-            return Ok(());
-        }
-        xml.element("ssd:ParameterBindings", Attributes::new(), |xml| {
-            xml.element("ssd:ParameterBinding", Attributes::new(), |xml| {
-                xml.element("ssd:ParameterValues", Attributes::new(), |xml| {
-                    start_values(xml, system, place)
+        parameter_bindings(xml, &system.starts(place).collect::<Vec<_>>())
+    })
+}
+
+/// `ParameterBindings` with these values, if there are any.
+fn parameter_bindings(xml: &mut Document, starts: &[(&Variable, f64)]) -> Result<(), XmlError> {
+    if starts.is_empty() {
+        return Ok(());
+    }
+    let set = Attributes::new()
+        .text("version", "1.0")
+        .text("name", "start_values");
+    xml.element("ssd:ParameterBindings", Attributes::new(), |xml| {
+        xml.element("ssd:ParameterBinding", Attributes::new(), |xml| {
+            xml.element("ssd:ParameterValues", Attributes::new(), |xml| {
+                xml.element("ssv:ParameterSet", set, |xml| {
+                    xml.element("ssv:Parameters", Attributes::new(), |xml| {
+                        starts.iter().try_for_each(|(variable, value)| {
+                            let name = Attributes::new().text("name", &variable.name);
+                            xml.element("ssv:Parameter", name, |xml| {
+                                xml.leaf("ssv:Real", Attributes::new().number("value", *value))
+                            })
+                        })
+                    })
                 })
             })
         })
     })
 }
 
-fn start_values(xml: &mut Document, system: &System, place: usize) -> Result<(), XmlError> {
-    let set = Attributes::new()
-        .text("version", "1.0")
-        .text("name", "start_values");
-    xml.element("ssv:ParameterSet", set, |xml| {
-        xml.element("ssv:Parameters", Attributes::new(), |xml| {
-            system.starts(place).try_for_each(|(variable, value)| {
-                let name = Attributes::new().text("name", &variable.name);
-                xml.element("ssv:Parameter", name, |xml| {
-                    xml.leaf("ssv:Real", Attributes::new().number("value", value))
-                })
+/// What OMSimulator's command line has to be told by the archive itself: that the system is one of co-simulation, its
+/// step and the tolerance that the components are set up with. Others pass over the annotation.
+fn master(xml: &mut Document, system: &System) -> Result<(), XmlError> {
+    let experiments = || {
+        let sources = system.components().iter();
+        sources.map(|source| source.facts().identity.default_experiment)
+    };
+    let single = experiments().nth(1).is_none();
+    let own_step = experiments()
+        .map(|e| e.step_size)
+        .fold(f64::INFINITY, f64::min);
+    let tolerance = experiments()
+        .map(|e| e.tolerance)
+        .fold(f64::INFINITY, f64::min);
+    let solver = Attributes::new()
+        .text("description", "oms-ma")
+        .number(
+            "stepSize",
+            if single {
+                own_step
+            } else {
+                LOOP_STEP.min(own_step)
+            },
+        )
+        .number("relativeTolerance", tolerance);
+    let vendor = Attributes::new().text("type", "org.openmodelica");
+    xml.element("ssd:Annotations", Attributes::new(), |xml| {
+        xml.element("ssc:Annotation", vendor, |xml| {
+            xml.element("oms:SimulationInformation", Attributes::new(), |xml| {
+                xml.leaf("oms:FixedStepMaster", solver)
             })
         })
     })

@@ -1,4 +1,4 @@
-//! System structure archives (SSP 1.0): several components with their connections in one file.
+//! System structure archives (SSP 1.0): components with their connections in one file.
 
 mod description;
 mod system;

@@ -15,12 +15,9 @@ pub struct System {
 /// Why components make no system.
 #[derive(Debug, Error)]
 pub enum SystemError {
-    /// One component has nobody to connect to.
-    #[error("a system needs two components or more; {count} given")]
-    TooFew {
-        /// How many there are.
-        count: usize,
-    },
+    /// Nothing to pack.
+    #[error("a system needs a component")]
+    Empty,
     /// Two components of one name.
     #[error("two components are {name}; each kind of model may occur once")]
     SameComponent {
@@ -98,15 +95,13 @@ pub(super) struct Connection {
 }
 
 impl System {
-    /// The system of these components.
+    /// The system of these components, or of a single one.
     ///
     /// # Errors
     /// [`SystemError`] where it is not clear what to connect.
     pub fn new(components: Vec<Source>) -> Result<Self, SystemError> {
-        if components.len() < 2 {
-            return Err(SystemError::TooFew {
-                count: components.len(),
-            });
+        if components.is_empty() {
+            return Err(SystemError::Empty);
         }
         let system = Self {
             components,
@@ -132,7 +127,7 @@ impl System {
                 });
             }
         }
-        if system.connections().is_empty() {
+        if system.components.len() > 1 && system.connections().is_empty() {
             let names: Vec<&str> = system.names().collect();
             return Err(SystemError::Unconnected {
                 components: names.join(", "),
@@ -208,9 +203,10 @@ impl System {
         Ok(())
     }
 
-    /// Name of the system: those of its components.
+    /// Name of the system: those of its components. An identifier, since OMSimulator takes names apart at other
+    /// signs.
     pub fn name(&self) -> String {
-        self.names().collect::<Vec<_>>().join("-")
+        self.names().collect::<Vec<_>>().join("_")
     }
 
     pub(super) fn components(&self) -> &[Source] {
@@ -231,6 +227,13 @@ impl System {
             .iter()
             .filter(move |(owner, ..)| *owner == place)
             .filter_map(move |(_, name, value)| Some((self.table(place).find(name)?, *value)))
+    }
+
+    /// Start values of the system's own inputs, which are its free ones.
+    pub(super) fn input_starts(&self) -> impl Iterator<Item = (&Variable, f64)> {
+        (0..self.components.len())
+            .flat_map(|place| self.starts(place))
+            .filter(|(variable, _)| variable.causality == Causality::Input)
     }
 
     fn names(&self) -> impl Iterator<Item = &'static str> {
@@ -262,6 +265,11 @@ impl System {
             }
         }
         connections
+    }
+
+    /// Whether anything is connected, be it to the system's own connectors.
+    pub(super) fn has_connections(&self) -> bool {
+        self.exposed || !self.connections().is_empty()
     }
 
     fn is_free(&self, place: usize, input: &str) -> bool {
@@ -310,11 +318,27 @@ mod tests {
     }
 
     #[test]
+    fn a_single_component_is_a_system_whose_inputs_are_all_free() {
+        let mut system = loop_of(&["reduced-rig.toml"]).unwrap();
+        assert_eq!(system.name(), "ReducedRig");
+        assert_eq!(system.connections(), []);
+        assert_eq!(system.free_inputs().count(), 2);
+        system.start("N2", 50.0).unwrap();
+        system.start("disc.inertia", 0.02).unwrap();
+        let starts: Vec<(&str, f64)> = system
+            .input_starts()
+            .map(|(v, value)| (v.name.as_str(), value))
+            .collect();
+        assert_eq!(starts, [("N2", 50.0)]);
+    }
+
+    #[test]
     fn what_is_not_clear_is_refused() {
         let refused = |names: &[&str]| loop_of(names).err().unwrap();
+        assert!(matches!(refused(&[]), SystemError::Empty));
         assert!(matches!(
-            refused(&["reduced-rig.toml"]),
-            SystemError::TooFew { count: 1 }
+            refused(&["reduced-rig.toml", "full-rig.toml"]),
+            SystemError::SameOutput { .. }
         ));
         let twice = refused(&["soft-torque.toml", "soft-torque.toml"]);
         assert!(matches!(twice, SystemError::SameComponent { .. }));

@@ -7,6 +7,8 @@
 )]
 
 mod component;
+mod exchange_importer;
+mod exchange_mutations;
 mod importer;
 mod kept_copies;
 mod mutations;

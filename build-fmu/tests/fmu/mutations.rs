@@ -8,6 +8,7 @@ use build_fmu::lint::{self, Loading, OpenError, Package, Rule};
 use build_fmu::platform::FmiVersion;
 
 use crate::component::build;
+use crate::exchange_mutations::{EXCHANGE_FMI2, EXCHANGE_FMI3};
 use crate::spoiled::Defect::{self, Bytes, Files as Change, Replace};
 use crate::spoiled::{DESCRIPTION, Files, LIBRARY, add, pack, patch, rename_symbol, spoil, unpack};
 
@@ -236,14 +237,14 @@ const FMI2: &[(&str, Rule, Defect)] = &[
     (
         "dependency on nothing",
         Rule::Structure,
-        Replace("dependencies=\"3\"", "dependencies=\"300\""),
+        Replace("dependencies=\"3 4", "dependencies=\"300 4"),
     ),
     (
         "no source file",
         Rule::ListedFile,
         Replace(
             "providesDirectionalDerivative=\"true\"/>",
-            "providesDirectionalDerivative=\"true\"><SourceFiles><File name=\"all.c\"/></SourceFiles></CoSimulation>",
+            "providesDirectionalDerivative=\"true\"><SourceFiles><File name=\"all.c\"/></SourceFiles></ModelExchange>",
         ),
     ),
     (
@@ -347,7 +348,11 @@ fn every_defect_is_found(version: FmiVersion, own: &[(&str, Rule, Defect)]) {
         []
     );
     let library = LIBRARY[usize::from(version == FmiVersion::Fmi3)];
-    for (name, rule, defect) in BOTH.iter().chain(own) {
+    let exchange = match version {
+        FmiVersion::Fmi2 => EXCHANGE_FMI2,
+        FmiVersion::Fmi3 => EXCHANGE_FMI3,
+    };
+    for (name, rule, defect) in BOTH.iter().chain(own).chain(exchange) {
         fs::write(&spoiled, spoil(&good, defect, library)).unwrap();
         let findings = lint::check(&Package::open(&spoiled).unwrap(), Loading::Load);
         assert!(
@@ -374,6 +379,8 @@ fn table() -> String {
         (BOTH, [true, true]),
         (FMI2, [true, false]),
         (FMI3, [false, true]),
+        (EXCHANGE_FMI2, [true, false]),
+        (EXCHANGE_FMI3, [false, true]),
     ] {
         for (name, rule, _) in defects {
             let row = rows.entry((rule.name(), name)).or_default();

@@ -1,7 +1,7 @@
 //! The course of a rig: the run that computes it, what it tells the log and what its sensors remember.
 
 use super::delay_line::DelayLine;
-use super::derivatives::{partial_derivative, time_derivative};
+use super::derivatives::{indicator, partial_derivative, time_derivative};
 use super::input_signals::InputSignals;
 use super::notice::{Notice, What};
 use super::state::{read_snapshot, write_snapshot};
@@ -190,6 +190,11 @@ impl part::Course<CHANNELS, STATES> for Course {
     }
 
     fn signal(&self, signal: Signal, order: u32, time: f64) -> Option<f64> {
+        let (signal, order) = match signal {
+            Signal::Rate(place) => (Signal::State(place), order + 1),
+            Signal::Indicator(place) if order == 0 => return indicator(&self.run, time, place),
+            _ => (signal, order),
+        };
         self.polynomial(signal, time, |series, tau| match order {
             0 => evaluate(series, tau),
             order => time_derivative(series, order as usize, tau),
@@ -203,7 +208,7 @@ impl part::Course<CHANNELS, STATES> for Course {
             Signal::Stuck(Friction::Disc1) => Some(mode.disc1.is_stuck()),
             Signal::Stuck(Friction::Motor) => Some(mode.motor.is_stuck()),
             Signal::CouplingFree => Some(mode.coupling == Coupling::Free),
-            Signal::State(_) | Signal::Friction(_) => None,
+            _ => None,
         }
     }
 

@@ -6,7 +6,7 @@ use super::variables::{Channel, Signal};
 use crate::cosim::ModelError;
 use crate::cosim::part::Known;
 use crate::integrator::HybridSystem;
-use crate::plant::{RigInputs, RigJet};
+use crate::plant::{Indicators, MOST_INDICATORS, RigInputs, RigJet};
 use crate::series::{Dual, Scalar};
 
 /// Derivative of this order of a polynomial at `tau`.
@@ -51,8 +51,25 @@ pub(super) fn partial_derivative(
     let state = run.state_at(time).map(Dual::constant);
     let mut jet = RigJet::new(&rig);
     rig.expand_motion(&mode, Dual::constant(time), &state, &inputs, 1, &mut jet);
-    let first = series(&rig, &jet, unknown).and_then(|series| series.first());
-    Ok(first.map(|coefficient| coefficient.derivative[0]))
+    let coefficient = match unknown {
+        Signal::Rate(place) => jet.rates().get(place).copied(),
+        _ => series(&rig, &jet, unknown).and_then(|series| series.first().copied()),
+    };
+    Ok(coefficient.map(|coefficient| coefficient.derivative[0]))
+}
+
+/// The event indicator at this place, at `time` \[s\].
+pub(super) fn indicator(run: &Run, time: f64, place: usize) -> Option<f64> {
+    let rig = run.system();
+    let mode = rig.carry(run.mode(), run.jet(), time - run.segment_start());
+    let inputs = InputSignals::of(run.inputs()).rig_inputs(time);
+    let mut jet = RigJet::new(rig);
+    rig.evaluate(&mode, time, &run.state_at(time), &inputs, &mut jet);
+    let indicators = Indicators::new(rig);
+    let mut values = [0.0; MOST_INDICATORS];
+    let values = values.get_mut(..indicators.count())?;
+    indicators.evaluate(rig, &mode, &inputs, &jet, values);
+    values.get(place).copied()
 }
 
 fn lift_inputs(inputs: &RigInputs<f64>) -> RigInputs<Dual<1>> {

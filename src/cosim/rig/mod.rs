@@ -3,6 +3,8 @@
 mod course;
 mod delay_line;
 mod derivatives;
+pub(super) mod exchange;
+mod exchange_rows;
 mod identity;
 mod input_signals;
 mod notice;

@@ -21,7 +21,7 @@ impl Part for Rig<f64> {
     fn start_place(signal: Signal) -> Option<usize> {
         match signal {
             Signal::State(place) => Some(place),
-            Signal::Friction(_) | Signal::Stuck(_) | Signal::CouplingFree => None,
+            _ => None,
         }
     }
 

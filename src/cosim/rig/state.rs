@@ -35,13 +35,7 @@ const COUPLINGS: [Coupling; 3] = [Coupling::Ahead, Coupling::Free, Coupling::Beh
 pub(super) fn write_snapshot(snapshot: &RigSnapshot, state: &mut StateWriter) {
     state.real(snapshot.start);
     snapshot.state.iter().for_each(|value| state.real(*value));
-    let mode = &snapshot.mode;
-    for contact in [mode.disc, mode.disc1, mode.motor] {
-        state.integer(place_of(&CONTACT_MODES, contact));
-    }
-    state.integer(place_of(&COUPLINGS, mode.coupling));
-    mode.near.iter().for_each(|value| state.real(*value));
-    mode.folded.iter().for_each(|folded| state.flag(*folded));
+    write_mode(&snapshot.mode, state);
     InputSignals::of(&snapshot.inputs).save(state);
     state.flag(snapshot.departing);
     let statistics = &snapshot.statistics;
@@ -56,6 +50,33 @@ pub(super) fn write_snapshot(snapshot: &RigSnapshot, state: &mut StateWriter) {
     }
 }
 
+/// Writes the modes of contacts and coupling.
+pub(super) fn write_mode(mode: &RigMode, state: &mut StateWriter) {
+    for contact in [mode.disc, mode.disc1, mode.motor] {
+        state.integer(place_of(&CONTACT_MODES, contact));
+    }
+    state.integer(place_of(&COUPLINGS, mode.coupling));
+    mode.near.iter().for_each(|value| state.real(*value));
+    mode.folded.iter().for_each(|folded| state.flag(*folded));
+}
+
+/// The modes that were written.
+pub(super) fn read_mode(state: &mut StateReader<'_>) -> Result<RigMode, StateError> {
+    let mut contact = || element(&CONTACT_MODES, state.integer()?, "contact mode");
+    let (disc, disc1, motor) = (contact()?, contact()?, contact()?);
+    let coupling = element(&COUPLINGS, state.integer()?, "coupling mode")?;
+    let near = [state.real()?, state.real()?];
+    let folded = [state.flag()?, state.flag()?];
+    Ok(RigMode {
+        disc,
+        disc1,
+        motor,
+        coupling,
+        near,
+        folded,
+    })
+}
+
 /// The snapshot that was written.
 pub(super) fn read_snapshot(state: &mut StateReader<'_>) -> Result<RigSnapshot, StateError> {
     let start = state.real()?;
@@ -63,23 +84,12 @@ pub(super) fn read_snapshot(state: &mut StateReader<'_>) -> Result<RigSnapshot, 
     for value in &mut values {
         *value = state.real()?;
     }
-    let mut contact = || element(&CONTACT_MODES, state.integer()?, "contact mode");
-    let (disc, disc1, motor) = (contact()?, contact()?, contact()?);
-    let coupling = element(&COUPLINGS, state.integer()?, "coupling mode")?;
-    let near = [state.real()?, state.real()?];
-    let folded = [state.flag()?, state.flag()?];
+    let mode = read_mode(state)?;
     let signals = InputSignals::restore(state)?;
     Ok(Snapshot {
         start,
         state: values,
-        mode: RigMode {
-            disc,
-            disc1,
-            motor,
-            coupling,
-            near,
-            folded,
-        },
+        mode,
         inputs: signals.uncentred(),
         departing: state.flag()?,
         statistics: Statistics {

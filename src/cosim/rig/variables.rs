@@ -1,5 +1,6 @@
 //! The variable table of a rig.
 
+use super::exchange_rows::influences;
 use crate::cosim::part::{self, Quantity};
 use crate::cosim::rows::{flag, input, parameter_row, row};
 use crate::cosim::{Causality, Initial, TableError, Variable, VariableTable};
@@ -16,6 +17,10 @@ pub(in crate::cosim) enum Signal {
     Stuck(Friction),
     /// Whether the coupling is within its dead band.
     CouplingFree,
+    /// Time derivative of a component of the rig's state.
+    Rate(usize),
+    /// Event indicator at this place.
+    Indicator(usize),
 }
 
 /// The rig's inputs.
@@ -88,13 +93,13 @@ pub(super) fn rig_table(rig: &Rig<f64>) -> Result<part::Rows<Signal>, TableError
         rows.friction(Friction::Disc1, "T_f1", text);
     }
 
-    rows.flag(
+    rows.output_flag(
         Signal::Stuck(Friction::Disc),
         "stuck",
         "Whether disc D2 sticks to its pin",
     );
     if full {
-        rows.flag(
+        rows.output_flag(
             Signal::Stuck(Friction::Disc1),
             "stuck1",
             "Whether disc D1 sticks to its pin",
@@ -145,12 +150,22 @@ pub(super) fn rig_table(rig: &Rig<f64>) -> Result<part::Rows<Signal>, TableError
             parameter_row(parameter, start),
         );
     }
-    rows.finish()
+    rows.add_second_names();
+    if is_exchangeable(rig) {
+        rows.add_exchange(rig);
+    }
+    rows.finish(rig)
+}
+
+/// Whether a rig can be handed to a solver that brings its own steps: what its sensors show must be a function of its state,
+/// and a delay is not.
+pub(crate) fn is_exchangeable(rig: &Rig<f64>) -> bool {
+    rig.effects.sensor_delay.is_none()
 }
 
 /// The dissertation numbers disc D2's quantities too; here those without a number are meant. Not the friction torque: FMPy's
 /// validator wants an alias of a calculated output among the unknowns, where the standard has value references.
-fn alias(name: &str) -> Option<&'static str> {
+fn second_name(name: &str) -> Option<&'static str> {
     match name {
         "theta" => Some("theta2"),
         "theta_dot" => Some("theta2_dot"),
@@ -159,13 +174,13 @@ fn alias(name: &str) -> Option<&'static str> {
 }
 
 #[derive(Default)]
-struct Rows {
-    variables: Vec<Variable>,
-    quantities: Vec<Quantity<Signal>>,
+pub(super) struct Rows {
+    pub(super) variables: Vec<Variable>,
+    pub(super) quantities: Vec<Quantity<Signal>>,
 }
 
 impl Rows {
-    fn add(&mut self, quantity: Quantity<Signal>, variable: Variable) {
+    pub(super) fn add(&mut self, quantity: Quantity<Signal>, variable: Variable) {
         self.variables.push(variable);
         self.quantities.push(quantity);
     }
@@ -185,7 +200,6 @@ impl Rows {
                 "rad" => Some("deg"),
                 _ => None,
             },
-            alias: alias(name),
             ..row(name, Causality::Output, unit, description)
         };
         self.add(Quantity::Signal(Signal::State(position)), variable);
@@ -213,8 +227,35 @@ impl Rows {
         self.add(Quantity::Signal(signal), flag(name, description));
     }
 
+    /// A flag that others may be connected to.
+    fn output_flag(&mut self, signal: Signal, name: &str, description: &str) {
+        let variable = Variable {
+            causality: Causality::Output,
+            ..flag(name, description)
+        };
+        self.add(Quantity::Signal(signal), variable);
+    }
+
+    /// Variables under the names that the dissertation has for them.
+    fn add_second_names(&mut self) {
+        for place in 0..self.variables.len() {
+            let variable = &self.variables[place];
+            if let Some(name) = second_name(&variable.name) {
+                let again = Variable {
+                    name: name.to_owned(),
+                    causality: Causality::Local,
+                    initial: Some(Initial::Calculated),
+                    start: None,
+                    alias_of: Some(place as u32),
+                    ..variable.clone()
+                };
+                self.add(self.quantities[place], again);
+            }
+        }
+    }
+
     /// Adds the dependencies, which need the places of the rows, and makes the table.
-    fn finish(mut self) -> Result<part::Rows<Signal>, TableError> {
+    fn finish(mut self, rig: &Rig<f64>) -> Result<part::Rows<Signal>, TableError> {
         let place = |wanted: Quantity<Signal>| {
             self.quantities
                 .iter()
@@ -226,21 +267,12 @@ impl Rows {
             .filter(|(_, variable)| variable.settable_before_start())
             .map(|(place, _)| place)
             .collect();
-        let forces = [
-            place(Quantity::Input(Channel::NormalForce as usize)),
-            place(Quantity::Input(Channel::NormalForce1 as usize)),
-        ];
         for (quantity, variable) in self.quantities.iter().zip(&mut self.variables) {
-            // Everything else is a state, which no input moves at the same instant.
-            variable.dependencies = match quantity {
-                Quantity::Signal(Signal::Friction(Friction::Disc)) => {
-                    forces[0].into_iter().collect()
-                }
-                Quantity::Signal(Signal::Friction(Friction::Disc1)) => {
-                    forces[1].into_iter().collect()
-                }
-                _ => Vec::new(),
-            };
+            if let Quantity::Signal(signal) = quantity {
+                let known = influences(rig, *signal).into_iter();
+                variable.dependencies = known.filter_map(place).collect();
+                variable.dependencies.sort_unstable();
+            }
             if variable.initial == Some(Initial::Calculated) {
                 variable.initial_dependencies.clone_from(&known_at_start);
             }
@@ -268,9 +300,14 @@ mod tests {
 
     #[test]
     fn outputs_come_in_the_order_that_users_were_promised() {
-        let reduced = ["theta", "theta_dot", "T_f", "theta3", "theta3_dot", "i"];
+        let rig = ["theta", "theta_dot", "T_f", "theta3", "theta3_dot", "i"];
+        let reduced = [&rig[..], &["stuck"]].concat();
         assert_eq!(names(REDUCED, Causality::Output), reduced);
-        let full = [&reduced[..], &["theta1", "theta1_dot", "T_f1"]].concat();
+        let full = [
+            &rig[..],
+            &["theta1", "theta1_dot", "T_f1", "stuck", "stuck1"],
+        ]
+        .concat();
         assert_eq!(names(FULL, Causality::Output), full);
     }
 

@@ -2,7 +2,8 @@
 #![allow(non_snake_case, reason = "the standard names its functions so")]
 
 use super::types::{
-    Boolean, CO_SIMULATION, CallbackFunctions, Handle, Integer, Real, Text, Type, ValueReference,
+    Boolean, CO_SIMULATION, CallbackFunctions, Handle, Integer, MODEL_EXCHANGE, Real, Text, Type,
+    ValueReference,
 };
 use crate::cosim::VariableType;
 use crate::ffi::guard::{contain, exports, free};
@@ -15,14 +16,22 @@ use std::ptr;
 
 const INSTANTIATED: Phases = Phases::of(&[Phase::Instantiated]);
 const INITIALIZATION: Phases = Phases::of(&[Phase::Initialization]);
-const STEP: Phases = Phases::of(&[Phase::Step]);
+const INITIALIZED: Phases = Phases::of(&[Phase::Step, Phase::Event, Phase::ContinuousTime]);
 pub(super) const READABLE: Phases = Phases::of(&[
     Phase::Initialization,
     Phase::Step,
+    Phase::Event,
+    Phase::ContinuousTime,
     Phase::Terminated,
     Phase::Failed,
 ]);
-const SETTABLE: Phases = Phases::of(&[Phase::Instantiated, Phase::Initialization, Phase::Step]);
+const SETTABLE: Phases = Phases::of(&[
+    Phase::Instantiated,
+    Phase::Initialization,
+    Phase::Step,
+    Phase::Event,
+    Phase::ContinuousTime,
+]);
 
 /// `fmi2GetTypesPlatform`: the standard's default types.
 #[unsafe(no_mangle)]
@@ -36,7 +45,7 @@ pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// `fmi2Instantiate`: a new instance for co-simulation, or NULL with a reason in the log.
+/// `fmi2Instantiate`: a new instance for model exchange or co-simulation, or NULL with a reason in the log.
 ///
 /// # Safety
 /// Pointers are NULL or as the standard describes them.
@@ -68,16 +77,17 @@ pub unsafe extern "C" fn fmi2Instantiate(
             instance_name,
             token,
             resources,
+            exchange: kind == MODEL_EXCHANGE,
             logging_on: logging_on != 0,
             environment: functions.component_environment,
             callback: Callback::Fmi2(functions.logger),
         };
         instantiate(&request, |_| {
-            if kind == CO_SIMULATION {
+            if kind == CO_SIMULATION || kind == MODEL_EXCHANGE {
                 return Ok(());
             }
             Err(format!(
-                "fmuType = {kind}, but only co-simulation ({CO_SIMULATION}) is supported"
+                "fmuType = {kind}, but there are only model exchange ({MODEL_EXCHANGE}) and co-simulation ({CO_SIMULATION})"
             ))
         })
     })
@@ -97,7 +107,7 @@ exports! { Interface::Fmi2;
         instance.set_up((tolerance_defined != 0).then_some(tolerance), start, (stop_defined != 0).then_some(stop));
     fn fmi2EnterInitializationMode(|instance|) in INSTANTIATED => instance.enter(Phase::Initialization);
     fn fmi2ExitInitializationMode(|instance|) in INITIALIZATION => instance.initialise();
-    fn fmi2Terminate(|instance|) in STEP => instance.enter(Phase::Terminated);
+    fn fmi2Terminate(|instance|) in INITIALIZED => instance.enter(Phase::Terminated);
     fn fmi2Reset(|instance|) in ANY => instance.reset();
 
     fn fmi2GetReal(|instance| references: *const ValueReference, count: usize, values: *mut Real) in READABLE =>

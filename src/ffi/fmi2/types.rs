@@ -19,7 +19,9 @@ pub type Handle = *mut c_void;
 
 /// `fmi2Type`: model exchange 0, co-simulation 1.
 pub type Type = c_int;
-/// The value of [`Type`] that this component is.
+/// The importer brings the solver.
+pub const MODEL_EXCHANGE: Type = 0;
+/// The component brings the solver.
 pub const CO_SIMULATION: Type = 1;
 
 /// `fmi2StatusKind`.

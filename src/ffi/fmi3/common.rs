@@ -18,11 +18,12 @@ use std::ptr;
 const INSTANTIATED: Phases = Phases::of(&[Phase::Instantiated]);
 const CONFIGURATION: Phases = Phases::of(&[Phase::Configuration]);
 const INITIALIZATION: Phases = Phases::of(&[Phase::Initialization]);
-const INITIALIZED: Phases = Phases::of(&[Phase::Step, Phase::Event]);
+const INITIALIZED: Phases = Phases::of(&[Phase::Step, Phase::Event, Phase::ContinuousTime]);
 const EVALUABLE: Phases = Phases::of(&[
     Phase::Initialization,
     Phase::Step,
     Phase::Event,
+    Phase::ContinuousTime,
     Phase::Terminated,
 ]);
 
@@ -38,6 +39,7 @@ pub extern "C" fn fmi3GetVersion() -> *const c_char {
 /// Pointers are NULL or as the standard describes them.
 unsafe fn new_instance(
     function: &'static str,
+    exchange: bool,
     texts: [Text; 3],
     logging_on: Boolean,
     environment: *mut c_void,
@@ -52,6 +54,7 @@ unsafe fn new_instance(
             instance_name,
             token,
             resources,
+            exchange,
             logging_on: logging_on != 0,
             environment,
             callback: Callback::Fmi3(logger),
@@ -60,24 +63,29 @@ unsafe fn new_instance(
     })
 }
 
-/// NULL, with the reason that this `kind` of component is not supported.
+/// NULL, with the reason in the log.
 ///
 /// # Safety
 /// Pointers are NULL or as the standard describes them.
 unsafe fn no_instance(
     function: &'static str,
-    kind: &str,
+    reason: String,
     texts: [Text; 3],
     logging_on: Boolean,
     environment: *mut c_void,
     logger: Option<Fmi3Logger>,
 ) -> Handle {
-    let reason = format!("{kind} is not supported; this component is for co-simulation");
     // SAFETY: the caller's promise about the pointers.
     unsafe {
-        new_instance(function, texts, logging_on, environment, logger, |_| {
-            Err(reason)
-        })
+        new_instance(
+            function,
+            false,
+            texts,
+            logging_on,
+            environment,
+            logger,
+            |_| Err(reason),
+        )
     }
 }
 
@@ -106,6 +114,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     unsafe {
         new_instance(
             "fmi3InstantiateCoSimulation",
+            false,
             texts,
             logging_on,
             environment,
@@ -125,7 +134,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     }
 }
 
-/// `fmi3InstantiateModelExchange`: not supported, always NULL.
+/// `fmi3InstantiateModelExchange`.
 ///
 /// # Safety
 /// Pointers are NULL or as the standard describes them.
@@ -142,13 +151,14 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     let texts = [instance_name, token, resource_path];
     // SAFETY: the caller's promise about the pointers.
     unsafe {
-        no_instance(
+        new_instance(
             "fmi3InstantiateModelExchange",
-            "model exchange",
+            true,
             texts,
             logging_on,
             environment,
             logger,
+            |_| Ok(()),
         )
     }
 }
@@ -176,7 +186,7 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     unsafe {
         no_instance(
             "fmi3InstantiateScheduledExecution",
-            "scheduled execution",
+            "scheduled execution is not supported; this component is for co-simulation and model exchange".into(),
             texts,
             logging_on,
             environment,
@@ -224,6 +234,16 @@ exports! { Interface::Fmi3;
         Ok(())
     };
 
+    fn fmi3GetAdjointDerivative(|instance| unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize, seed: *const Float64, seed_count: usize, sensitivity: *mut Float64, sensitivity_count: usize) in EVALUABLE => {
+        same_length(("nSeed", seed_count), ("nUnknowns", unknown_count))?;
+        same_length(("nSensitivity", sensitivity_count), ("nKnowns", known_count))?;
+        instance.adjoint_derivative(
+            input(unknowns, unknown_count, "unknowns")?,
+            input(knowns, known_count, "knowns")?,
+            input(seed, seed_count, "seed")?,
+            &mut output(sensitivity, sensitivity_count, "sensitivity")?,
+        )
+    };
     fn fmi3GetDirectionalDerivative(|instance| unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize, seed: *const Float64, seed_count: usize, sensitivity: *mut Float64, sensitivity_count: usize) in EVALUABLE => {
         same_length(("nSeed", seed_count), ("nKnowns", known_count))?;
         same_length(("nSensitivity", sensitivity_count), ("nUnknowns", unknown_count))?;

@@ -2,12 +2,14 @@
 
 mod common;
 mod cosimulation;
+mod model_exchange;
 mod types;
 mod unsupported;
 mod values;
 
 pub use common::*;
 pub use cosimulation::*;
+pub use model_exchange::*;
 pub use types::*;
 pub use unsupported::*;
 pub use values::*;

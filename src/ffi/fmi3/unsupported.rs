@@ -1,18 +1,15 @@
 //! Functions of FMI 3 that the component does not support: in the header, hence here, and refused.
 #![allow(non_snake_case, reason = "the standard names its functions so")]
 
-use super::types::{Boolean, DependencyKind, Float64, IntervalQualifier, ValueReference};
+use super::types::{DependencyKind, Float64, IntervalQualifier, ValueReference};
 use crate::ffi::guard::unsupported;
 use crate::ffi::status::Interface;
 
-const MODEL_EXCHANGE: &str = "model exchange is not supported; this component is for co-simulation";
 const CLOCKS: &str = "this component has no clocks";
 const DEPENDENCIES: &str =
     "providesPerElementDependencies is false: the dependencies are those of modelDescription.xml";
 
 unsupported! { Interface::Fmi3;
-    fn fmi3GetAdjointDerivative(*const ValueReference, usize, *const ValueReference, usize, *const Float64, usize, *mut Float64, usize)
-        because "providesAdjointDerivatives is false; use fmi3GetDirectionalDerivative";
     fn fmi3GetNumberOfVariableDependencies(ValueReference, *mut usize) because DEPENDENCIES;
     fn fmi3GetVariableDependencies(ValueReference, *mut usize, *mut ValueReference, *mut usize, *mut DependencyKind, usize) because DEPENDENCIES;
 
@@ -25,15 +22,4 @@ unsupported! { Interface::Fmi3;
     fn fmi3SetShiftDecimal(*const ValueReference, usize, *const Float64) because CLOCKS;
     fn fmi3SetShiftFraction(*const ValueReference, usize, *const u64, *const u64) because CLOCKS;
     fn fmi3ActivateModelPartition(ValueReference, Float64) because CLOCKS;
-
-    fn fmi3EnterContinuousTimeMode() because MODEL_EXCHANGE;
-    fn fmi3CompletedIntegratorStep(Boolean, *mut Boolean, *mut Boolean) because MODEL_EXCHANGE;
-    fn fmi3SetTime(Float64) because MODEL_EXCHANGE;
-    fn fmi3SetContinuousStates(*const Float64, usize) because MODEL_EXCHANGE;
-    fn fmi3GetContinuousStateDerivatives(*mut Float64, usize) because MODEL_EXCHANGE;
-    fn fmi3GetEventIndicators(*mut Float64, usize) because MODEL_EXCHANGE;
-    fn fmi3GetContinuousStates(*mut Float64, usize) because MODEL_EXCHANGE;
-    fn fmi3GetNominalsOfContinuousStates(*mut Float64, usize) because MODEL_EXCHANGE;
-    fn fmi3GetNumberOfEventIndicators(*mut usize) because MODEL_EXCHANGE;
-    fn fmi3GetNumberOfContinuousStates(*mut usize) because MODEL_EXCHANGE;
 }

@@ -12,6 +12,7 @@ const READABLE: Phases = Phases::of(&[
     Phase::Initialization,
     Phase::Step,
     Phase::Event,
+    Phase::ContinuousTime,
     Phase::Terminated,
 ]);
 const SETTABLE: Phases = Phases::of(&[
@@ -20,6 +21,7 @@ const SETTABLE: Phases = Phases::of(&[
     Phase::Initialization,
     Phase::Step,
     Phase::Event,
+    Phase::ContinuousTime,
 ]);
 
 exports! { Interface::Fmi3;

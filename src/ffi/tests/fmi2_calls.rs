@@ -45,7 +45,10 @@ fn instantiation_is_refused_with_its_reason() {
     let name = Some(c"test");
     let (good_uri, good_token) = (Some(uri.as_c_str()), Some(token.as_c_str()));
     for (arguments, reason) in [
-        ((name, 0, good_token, good_uri), "only co-simulation"),
+        (
+            (name, 2, good_token, good_uri),
+            "fmuType = 2, but there are only model exchange (0)",
+        ),
         ((name, 1, None, good_uri), "token (GUID) is NULL"),
         ((name, 1, Some(c"{1}"), good_uri), "does not match"),
         ((name, 1, good_token, None), "resource location is NULL"),
@@ -114,16 +117,26 @@ fn calls_in_the_wrong_state_are_errors_that_name_state_and_remedy() {
 fn everything_unsupported_is_an_error_with_one_message() {
     type Call = unsafe fn(*mut c_void) -> Status;
     let calls: [Call; 12] = [
-        |c| fmi2EnterEventMode(c),
-        |c| fmi2NewDiscreteStates(c, ptr::null_mut()),
-        |c| fmi2EnterContinuousTimeMode(c),
-        |c| fmi2CompletedIntegratorStep(c, 0, ptr::null_mut(), ptr::null_mut()),
-        |c| fmi2SetTime(c, 0.0),
-        |c| fmi2SetContinuousStates(c, ptr::null(), 0),
-        |c| fmi2GetDerivatives(c, ptr::null_mut(), 0),
-        |c| fmi2GetEventIndicators(c, ptr::null_mut(), 0),
-        |c| fmi2GetContinuousStates(c, ptr::null_mut(), 0),
-        |c| fmi2GetNominalsOfContinuousStates(c, ptr::null_mut(), 0),
+        // SAFETY: vectors are NULL.
+        |c| unsafe { fmi2EnterEventMode(c) },
+        // SAFETY: vectors are NULL.
+        |c| unsafe { fmi2NewDiscreteStates(c, ptr::null_mut()) },
+        // SAFETY: vectors are NULL.
+        |c| unsafe { fmi2EnterContinuousTimeMode(c) },
+        // SAFETY: vectors are NULL.
+        |c| unsafe { fmi2CompletedIntegratorStep(c, 0, ptr::null_mut(), ptr::null_mut()) },
+        // SAFETY: vectors are NULL.
+        |c| unsafe { fmi2SetTime(c, 0.0) },
+        // SAFETY: vectors are NULL.
+        |c| unsafe { fmi2SetContinuousStates(c, ptr::null(), 0) },
+        // SAFETY: vectors are NULL.
+        |c| unsafe { fmi2GetDerivatives(c, ptr::null_mut(), 0) },
+        // SAFETY: vectors are NULL.
+        |c| unsafe { fmi2GetEventIndicators(c, ptr::null_mut(), 0) },
+        // SAFETY: vectors are NULL.
+        |c| unsafe { fmi2GetContinuousStates(c, ptr::null_mut(), 0) },
+        // SAFETY: vectors are NULL.
+        |c| unsafe { fmi2GetNominalsOfContinuousStates(c, ptr::null_mut(), 0) },
         |c| fmi2CancelStep(c),
         // SAFETY: the vector is NULL and its length is not zero.
         |c| unsafe { fmi2GetInteger(c, &X, 1, ptr::null_mut()) },

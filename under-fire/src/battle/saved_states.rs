@@ -109,7 +109,7 @@ impl Battle<'_> {
                     .map(|state| state.saved.clone());
                 let size = saved
                     .as_ref()
-                    .map_or(64, |saved| saved.native.len() + 71 + 8);
+                    .map_or(64, |saved| saved.native.len() + 72 + 8);
                 let fits = saved.is_some() && !short && !null;
                 let verdict = if fits {
                     Ok(Vec::new())
@@ -181,8 +181,8 @@ impl Battle<'_> {
         let (status, _) = states.free(own, handle, false);
         self.compare(instance, Ok(Vec::new()), 0, &Answer::status(status))?;
         let expected = instance.expected.save();
-        let native = bytes.get(71..bytes.len().saturating_sub(8));
-        let time = bytes.get(46..54);
+        let native = bytes.get(72..bytes.len().saturating_sub(8));
+        let time = bytes.get(47..55);
         if native != Some(&expected.native[..])
             || time != Some(&expected.time.to_bits().to_le_bytes()[..])
         {

@@ -1,5 +1,6 @@
 //! What an FMU's `modelDescription.xml` says, as far as a run needs it.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use roxmltree::{Document, Node, ParsingOptions};
@@ -117,13 +118,24 @@ impl Description {
             .into_iter()
             .flat_map(|node| node.children())
             .filter(Node::is_element);
-        let variables = nodes
+        let mut variables = nodes
             .map(|node| match version {
                 FmiVersion::Two => read_variable_2(node),
                 FmiVersion::Three => read_variable_3(node),
             })
             .collect::<Result<Vec<_>, _>>()
             .map_err(refuse)?;
+        let indicators: BTreeSet<u32> = child(root, "ModelStructure")
+            .into_iter()
+            .flat_map(|node| node.children())
+            .filter(|node| node.has_tag_name("EventIndicator"))
+            .filter_map(|node| node.attribute("valueReference")?.parse().ok())
+            .collect();
+        for variable in &mut variables {
+            if variable.role == Role::Local && indicators.contains(&variable.reference) {
+                variable.role = Role::Other;
+            }
+        }
         Ok(Self {
             version,
             model_name: root.attribute("modelName").unwrap_or_default().to_owned(),
@@ -279,6 +291,12 @@ fn read_variable(node: Node<'_, '_>, typed: Node<'_, '_>, kind: Kind) -> Result<
             Some("input") => Role::Input,
             Some("output") => Role::Output,
             Some("parameter") => Role::Parameter,
+            // What a solver asks for, under the name that Modelica gives it.
+            Some("local") | None
+                if typed.attribute("derivative").is_some() && name.starts_with("der(") =>
+            {
+                Role::Other
+            }
             Some("local") | None => Role::Local,
             Some(_) => Role::Other,
         },

@@ -121,6 +121,11 @@ fn translate(row: &cosim::Variable) -> Variable {
             Causality::Independent => Role::Time,
             Causality::Input => Role::Input,
             Causality::Output => Role::Output,
+            Causality::Local
+                if row.derivative_of.is_some() || row.event_indicator || row.alias_of.is_some() =>
+            {
+                Role::Other
+            }
             Causality::Local => Role::Local,
             Causality::Parameter => Role::Parameter,
         },

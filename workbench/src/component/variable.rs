@@ -13,7 +13,7 @@ pub enum Role {
     Local,
     /// Set before the run.
     Parameter,
-    /// Anything else the standards know, such as calculated parameters.
+    /// Anything else the standards know, such as calculated parameters, and what only solvers ask for.
     Other,
 }
 

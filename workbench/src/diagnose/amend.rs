@@ -1,19 +1,22 @@
 //! The amended model: the analyst's model with what was found, and its FMUs.
 
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 
 use build_fmu::build::{BuildError, Source};
 use build_fmu::library::Library;
 use build_fmu::platform::FmiVersion;
-use stickslip::parameter::ParameterError;
+use inference::hypothesis::Estimate;
+use inference::units::PlantUnits;
+use stickslip::friction::Law;
+use stickslip::parameter::{ParameterError, ParameterInfo};
 use stickslip::plant::{ModelFile, ModelFileError, Provenance, Rig};
 use thiserror::Error;
 
 use super::case::Case;
 use super::catalogue::{Entry, entry};
 use super::finding::{Finding, FoundEffect, ParameterValue};
-use super::hypothesis::{Estimate, Hypothesis};
 use crate::files::atomic::{self, WriteError};
 
 /// Name of the amended model in the output directory.
@@ -38,6 +41,9 @@ pub enum AmendError {
         /// Why.
         reason: &'static str,
     },
+    /// A fitted model's number leaves its range in SI units.
+    #[error(transparent)]
+    Range(#[from] ParameterError),
     /// A number of the finding is not one of the amended model.
     #[error("the finding's number for `{name}`: {source}")]
     Parameter {
@@ -61,31 +67,101 @@ pub enum AmendError {
 pub const NOT_APPLICABLE: &str =
     "it is there already, or the friction law is one that it cannot extend";
 
+/// A fitted model in SI units.
+#[derive(Debug, Clone)]
+pub struct FittedRig {
+    /// The rig.
+    pub rig: Rig<f64>,
+    /// Values and deviations of what was fitted.
+    pub estimates: Vec<Estimate>,
+}
+
+impl FittedRig {
+    /// `plant`, with these estimates, out of the plant's units.
+    ///
+    /// # Errors
+    /// A number leaves its range.
+    pub fn of(
+        plant: &Rig<f64>,
+        estimates: &[Estimate],
+        units: &PlantUnits,
+    ) -> Result<Self, ParameterError> {
+        let rig = units.to_si(plant)?;
+        let mut in_si = Vec::new();
+        for parameter in plant.parameters() {
+            let name = &parameter.name;
+            let estimate = estimates.iter().find(|estimate| estimate.name == *name);
+            let (Some(value), Some(own)) = (rig.parameter(name), plant.parameter(name)) else {
+                continue;
+            };
+            // A load exponent is fitted with the level of the law, which is no parameter: the law's numbers move along.
+            let is_moved =
+                estimate.is_none() && is_level(name) && rig.effects.load_exponent.is_some();
+            let Some(estimate) = estimate else {
+                if is_moved {
+                    in_si.push(Estimate {
+                        name: name.clone(),
+                        value,
+                        deviation: f64::NAN,
+                        is_nominal: true,
+                    });
+                }
+                continue;
+            };
+            let unit = units.of_parameter_in(plant, &parameter);
+            in_si.push(Estimate {
+                name: name.clone(),
+                // A phase is told between 0 and 2π.
+                value: if is_level(name) {
+                    value
+                } else {
+                    unit * estimate.value
+                },
+                deviation: if is_level(name) && estimate.value != 0.0 {
+                    (own / estimate.value * unit * estimate.deviation).abs()
+                } else {
+                    unit * estimate.deviation
+                },
+                is_nominal: estimate.is_nominal,
+            });
+        }
+        Ok(Self {
+            rig,
+            estimates: in_si,
+        })
+    }
+}
+
+/// Whether this is a level of a friction law, which a load exponent refers to its own force.
+fn is_level(name: &str) -> bool {
+    matches!(
+        name,
+        "contact.mu_c" | "contact.mu_s" | "contact.a1" | "contact.a2"
+    )
+}
+
 /// The effects with their numbers as a finding tells them.
 ///
 /// Numbers of an effect that are held, not fitted, are given without an interval.
 #[must_use]
-pub fn found_effects(
-    rig: &Rig<f64>,
-    effects: &[(String, f64)],
-    estimates: &[Estimate],
-) -> Vec<FoundEffect> {
+pub fn found_effects(fitted: &FittedRig, effects: &[(String, f64)]) -> Vec<FoundEffect> {
     effects
         .iter()
         .map(|(name, probability)| {
             let symbols = entry(name).map_or(&[][..], |entry| entry.symbols);
             let law = entry(name).is_some_and(Entry::is_law);
             let mut parameters = BTreeMap::new();
-            for parameter in rig.parameters() {
+            for parameter in fitted.rig.parameters() {
                 let own_section = parameter.name.split('.').next() == Some(name);
-                let estimate = estimates
+                let estimate = fitted
+                    .estimates
                     .iter()
                     .find(|e| e.name == parameter.name && !e.is_nominal);
                 let in_law = law && parameter.name.starts_with("contact.") && estimate.is_some();
                 if !(own_section || in_law) {
                     continue;
                 }
-                let Some(value) = rig.parameter(&parameter.name) else {
+                let Some(value) = fitted.rig.parameter(&parameter.name) else {
                     continue;
                 };
                 let symbol = symbols
@@ -99,7 +175,7 @@ pub fn found_effects(
                     symbol.to_owned(),
                     ParameterValue {
                         value: estimate.map_or(value, |e| e.value),
-                        interval95: estimate.map(interval95),
+                        interval95: estimate.and_then(interval95),
                         unit: parameter.info.unit.to_owned(),
                         model_parameter: parameter.name.clone(),
                     },
@@ -116,9 +192,10 @@ pub fn found_effects(
 
 /// Refitted nominal parameters as a finding tells them.
 #[must_use]
-pub fn refitted(rig: &Rig<f64>, estimates: &[Estimate]) -> BTreeMap<String, ParameterValue> {
-    let parameters = rig.parameters();
-    estimates
+pub fn refitted(fitted: &FittedRig) -> BTreeMap<String, ParameterValue> {
+    let parameters = fitted.rig.parameters();
+    fitted
+        .estimates
         .iter()
         .filter(|estimate| estimate.is_nominal)
         .map(|estimate| {
@@ -128,7 +205,7 @@ pub fn refitted(rig: &Rig<f64>, estimates: &[Estimate]) -> BTreeMap<String, Para
                 .map(|p| p.info.unit.to_owned());
             let value = ParameterValue {
                 value: estimate.value,
-                interval95: Some(interval95(estimate)),
+                interval95: interval95(estimate),
                 unit: unit.unwrap_or_default(),
                 model_parameter: estimate.name.clone(),
             };
@@ -137,9 +214,57 @@ pub fn refitted(rig: &Rig<f64>, estimates: &[Estimate]) -> BTreeMap<String, Para
         .collect()
 }
 
-fn interval95(estimate: &Estimate) -> [f64; 2] {
+fn interval95(estimate: &Estimate) -> Option<[f64; 2]> {
     let reach = TO_95_PERCENT * estimate.deviation;
-    [estimate.value - reach, estimate.value + reach]
+    reach
+        .is_finite()
+        .then_some([estimate.value - reach, estimate.value + reach])
+}
+
+/// `rig` with an effect switched on, whose numbers `value` gives by dotted name; `None` where that makes no sense.
+fn with_effect(
+    rig: &Rig<f64>,
+    effect: &Entry,
+    value: impl Fn(&str) -> Option<f64>,
+) -> Option<Rig<f64>> {
+    let mut amended = *rig;
+    let section = if effect.is_law() {
+        "contact"
+    } else {
+        effect.name
+    };
+    let number = |info: &'static ParameterInfo| {
+        let name = format!("{section}.{}", info.key);
+        Ok::<f64, Infallible>(
+            value(&name)
+                .or_else(|| rig.parameter(&name))
+                .unwrap_or_default(),
+        )
+    };
+    if effect.is_law() {
+        let Ok(law) = Law::from_values(law_of(effect.name), number)?;
+        amended.law = law;
+    } else {
+        if rig
+            .parameters()
+            .iter()
+            .any(|p| p.name.split('.').next() == Some(section))
+        {
+            return None;
+        }
+        let Ok(()) = amended.effects.insert(section, number)?;
+    }
+    Some(amended)
+}
+
+/// The friction law that an effect on the contact leads to.
+#[must_use]
+pub fn law_of(effect: &str) -> &'static str {
+    match effect {
+        "stiction" => "coulomb_stiction",
+        "stribeck" => "stribeck",
+        _ => "two_gaussian_mu",
+    }
 }
 
 /// The amended model that a finding describes.
@@ -147,20 +272,23 @@ fn interval95(estimate: &Estimate) -> [f64; 2] {
 /// # Errors
 /// [`AmendError`] where the finding does not fit the case's model or the catalogue.
 pub fn amended_model(case: &Case, finding: &Finding) -> Result<ModelFile, AmendError> {
-    let mut hypothesis = Hypothesis::base(&case.model);
+    let mut rig = case.model.rig;
     for effect in &finding.effects {
         let entry =
             entry(&effect.name).ok_or_else(|| AmendError::UnknownEffect(effect.name.clone()))?;
-        hypothesis = entry
-            .starts(&hypothesis, false)
-            .into_iter()
-            .next()
-            .ok_or_else(|| AmendError::NotApplicable {
-                effect: effect.name.clone(),
-                reason: NOT_APPLICABLE,
-            })?;
+        let value = |name: &str| {
+            finding
+                .parameters
+                .values()
+                .chain(effect.parameters.values())
+                .find(|number| number.model_parameter == name)
+                .map(|number| number.value)
+        };
+        rig = with_effect(&rig, entry, value).ok_or_else(|| AmendError::NotApplicable {
+            effect: effect.name.clone(),
+            reason: NOT_APPLICABLE,
+        })?;
     }
-    let mut rig = hypothesis.rig;
     let source = provenance_source(case);
     let mut provenance = case.model.provenance.clone();
     let numbers = finding
@@ -192,7 +320,11 @@ pub fn amended_model(case: &Case, finding: &Finding) -> Result<ModelFile, AmendE
 }
 
 fn provenance_source(case: &Case) -> String {
-    let mut files: Vec<&str> = case.runs.iter().map(|run| file_name(&run.name)).collect();
+    let mut files: Vec<&str> = case
+        .records
+        .iter()
+        .map(|record| file_name(&record.name))
+        .collect();
     files.dedup();
     format!("fitted to {} by stickslip diagnose", files.join(", "))
 }

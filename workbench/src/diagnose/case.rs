@@ -1,19 +1,25 @@
 //! A case: the analyst's model, the records to learn from, the record to judge on, and the sensors.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use inference::data::Data;
+use inference::instruments::{contradictions, estimate, load_noise};
+use inference::problem::Problem;
+use inference::record::{CHANNELS, Instruments, RawRecord};
+use inference::units::PlantUnits;
+use inference::window::{Begin, LENGTH, UNSEEN};
+use stickslip::parameter::ParameterError;
 use stickslip::plant::{ModelFile, ModelFileError, RigKind};
 use thiserror::Error;
 
 use super::catalogue::CATALOGUE;
-use super::data::Data;
-use super::record_check::{Checked, RecordProblem, check};
-use super::run::Run;
-use super::sensors::{SensorError, Sensors};
-use super::window::{Begin, Cut};
+use super::input_check::{note_on_inputs, same};
+use super::load_cell::denoise;
+use super::record_check::{Checked, RecordProblem, check, natural_period};
+use super::sensors::{SensorError, Sensors, described, in_the_middle};
+use super::uncertainty::{UncertaintyError, uncertainties};
 use crate::component::closest;
 use crate::files::record::{Missing, Record, RecordError};
 
@@ -21,8 +27,8 @@ use crate::files::record::{Missing, Record, RecordError};
 pub const MODEL_FILE: &str = "model.toml";
 const HELD_OUT_FILE: &str = "held-out.csv";
 const SENSORS_FILE: &str = "sensors.toml";
-/// Least length of all records to learn from together [s].
-const SHORTEST: f64 = 5.0;
+/// Least length of all records to learn from together, in natural periods of the disc on its shaft.
+const SHORTEST: f64 = 3.0;
 
 /// Where a case's files are.
 #[derive(Debug, Clone, Default, Args)]
@@ -39,7 +45,7 @@ pub struct CaseArguments {
     /// Record to judge on; never fitted to.
     #[arg(long, value_name = "FILE")]
     pub held_out: Option<PathBuf>,
-    /// Steps and noise of the instruments; without it those of the dissertation's rig.
+    /// Steps and noise of the instruments; without it they are estimated from the records.
     #[arg(long, value_name = "FILE")]
     pub sensors: Option<PathBuf>,
     /// Leave this effect out of the catalogue; may be given several times.
@@ -56,12 +62,14 @@ pub struct Case {
     pub model: ModelFile,
     /// Text of the analyst's model file.
     pub model_text: String,
-    /// The instruments.
-    pub sensors: Sensors,
-    /// Stretches of records to learn from.
-    pub runs: Vec<Run>,
-    /// Stretches of the record to judge on.
-    pub held_out: Vec<Run>,
+    /// Relative standard deviations of the model's parameters by dotted name.
+    pub uncertainties: Vec<(String, f64)>,
+    /// The instruments, SI units.
+    pub instruments: Instruments,
+    /// Stretches of records to learn from, SI units.
+    pub records: Vec<RawRecord>,
+    /// Stretches of the record to judge on, SI units.
+    pub held_out: Vec<RawRecord>,
     /// Effects taken out of the catalogue.
     pub without: Vec<String>,
     /// What has to be said about the records.
@@ -96,6 +104,9 @@ pub enum CaseError {
         /// The model file.
         file: String,
     },
+    /// The model file states an uncertainty that cannot be one.
+    #[error(transparent)]
+    Uncertainty(#[from] UncertaintyError),
     /// The sensor file is wrong.
     #[error(transparent)]
     Sensors(#[from] SensorError),
@@ -117,11 +128,13 @@ pub enum CaseError {
     },
     /// Too little to learn from.
     #[error(
-        "the records to learn from have {seconds:.1} s together; at least {SHORTEST} s are needed, and 20 s for small effects"
+        "the records to learn from have {seconds:.3} s together; at least {SHORTEST} periods of the disc on its shaft, {needed:.3} s, are needed, and 20 for small effects"
     )]
     TooShort {
         /// Length of what can be used [s].
         seconds: f64,
+        /// Length that is needed [s].
+        needed: f64,
     },
     /// Two records to learn from are one measurement.
     #[error(
@@ -162,41 +175,87 @@ impl CaseArguments {
         if model.rig.kind() != RigKind::Reduced {
             return Err(CaseError::FullRig { file: model_name });
         }
-        let sensors = self.sensors()?;
-        let mut notes = Vec::new();
+        let (uncertainties, assumed) = uncertainties(&model, &model_name)?;
+        let mut notes: Vec<String> = assumed.into_iter().collect();
+        let mut read_records = Vec::new();
         let mut runs = Vec::new();
-        let mut records = Vec::new();
         for path in &record_paths {
             let record = Record::read_with(path, Missing::KeepAsNan)?;
-            if let Some(earlier) = records.iter().find(|earlier| same(earlier, &record)) {
+            if let Some(earlier) = read_records.iter().find(|earlier| same(earlier, &record)) {
                 return Err(CaseError::Twice {
                     record: record.source().to_owned(),
                     earlier: earlier.source().to_owned(),
                 });
             }
-            let checked = check(&record, &model.rig, &sensors)?;
-            runs.extend(stretches(&checked, &sensors));
-            notes.extend(checked.notes);
-            records.push(record);
+            read_records.push(record);
         }
-        let seconds: f64 = runs
-            .iter()
-            .map(|run| run.interval() * (run.len() - 1) as f64)
-            .sum();
-        if seconds < SHORTEST {
-            return Err(CaseError::TooShort { seconds });
-        }
-        notes.extend(note_on_inputs(&runs));
         let held_out_record = Record::read_with(&held_out_path, Missing::KeepAsNan)?;
-        if let Some(record) = records.iter().find(|record| same(record, &held_out_record)) {
+        let stated = self.sensors()?;
+        let checked = |record: &Record| -> Result<Checked, CaseError> {
+            let checked = check(record, &model.rig)?;
+            if let Some((sensors, file)) = &stated {
+                sensors.check_for(file, &checked.name, checked.has())?;
+            }
+            Ok(checked)
+        };
+        for record in &read_records {
+            let checked = checked(record)?;
+            runs.extend(stretches(&checked));
+            notes.extend(checked.notes);
+        }
+        let seconds: f64 = runs.iter().map(duration).sum();
+        let needed = SHORTEST * natural_period(&model.rig);
+        if seconds < needed {
+            return Err(CaseError::TooShort { seconds, needed });
+        }
+        if let Some(record) = read_records
+            .iter()
+            .find(|record| same(record, &held_out_record))
+        {
             return Err(CaseError::SameRecord {
                 held_out: held_out_record.source().to_owned(),
                 record: record.source().to_owned(),
             });
         }
-        let checked = check(&held_out_record, &model.rig, &sensors)?;
-        let held_out = stretches(&checked, &sensors);
+        let checked = checked(&held_out_record)?;
+        let mut held_out = stretches(&checked);
         notes.extend(checked.notes);
+        let estimated = estimate(&runs);
+        let instruments = match &stated {
+            Some((sensors, file)) => {
+                let told = sensors.completed(&estimated);
+                notes.extend(
+                    contradictions(&told, &estimated)
+                        .iter()
+                        .map(|contradiction| format!("{file}: {contradiction}; the file counts")),
+                );
+                told
+            }
+            None => {
+                notes.push(described(&estimated));
+                estimated
+            }
+        };
+        for (c, name) in ["theta", "theta_dot", "theta3", "theta3_dot", "i"]
+            .iter()
+            .enumerate()
+        {
+            let is_there = runs.iter().any(|run| !run.readings[c].is_empty());
+            if is_there && instruments.deviations()[c] == 0.0 {
+                notes.push(format!("column not used: {name}, which never changes"));
+                for record in runs.iter_mut().chain(&mut held_out) {
+                    record.readings[c].clear();
+                }
+            }
+        }
+        let forces: Vec<&[f64]> = runs.iter().map(|run| run.normal_force.as_slice()).collect();
+        let noise = stated
+            .and_then(|(sensors, _)| sensors.load_cell_noise)
+            .unwrap_or_else(|| load_noise(&forces));
+        for record in runs.iter_mut().chain(&mut held_out) {
+            record.normal_force = denoise(&record.normal_force, noise);
+        }
+        notes.extend(note_on_inputs(&runs));
         let name = match &self.case {
             Some(directory) => file_name(directory),
             None => file_name(&model_path),
@@ -205,8 +264,9 @@ impl CaseArguments {
             name,
             model,
             model_text,
-            sensors,
-            runs,
+            uncertainties,
+            instruments,
+            records: runs,
             held_out,
             without: self.without.clone(),
             notes,
@@ -245,37 +305,81 @@ impl CaseArguments {
         }
     }
 
-    fn sensors(&self) -> Result<Sensors, CaseError> {
+    /// What the sensor file states, with its name; `None` where there is none.
+    fn sensors(&self) -> Result<Option<(Sensors, String)>, CaseError> {
         let beside = self
             .case
             .as_ref()
             .map(|directory| directory.join(SENSORS_FILE))
             .filter(|path| path.is_file());
         match self.sensors.clone().or(beside) {
-            Some(path) => Ok(Sensors::parse(&read(&path)?, &path.display().to_string())?),
-            None => Ok(Sensors::default()),
+            Some(path) => {
+                let file = path.display().to_string();
+                Ok(Some((Sensors::parse(&read(&path)?, &file)?, file)))
+            }
+            None => Ok(None),
         }
     }
 }
 
+/// The record to judge on, cut into windows.
+#[derive(Debug, Clone)]
+pub struct Judging {
+    /// The plant's units, in which `data` is.
+    pub units: PlantUnits,
+    /// The windows.
+    pub data: Data,
+    /// The same stretches in SI units, readings in the middle of their steps.
+    pub records: Vec<RawRecord>,
+    /// Standard deviations of the channels, SI units.
+    pub deviations: [f64; CHANNELS],
+}
+
 impl Case {
-    /// The records to learn from, cut into windows.
-    #[must_use]
-    pub fn training(&self) -> Data {
-        self.data(&self.runs, Begin::Clear)
+    /// The problem that the records to learn from pose.
+    ///
+    /// # Errors
+    /// A number of the model leaves its range in the plant's units.
+    pub fn problem(&self) -> Result<Problem, ParameterError> {
+        self.problem_of(&self.records)
     }
 
     /// The record to judge on, cut into windows that start as `begin` wants it.
-    #[must_use]
-    pub fn judging(&self, begin: Begin) -> Data {
-        self.data(&self.held_out, begin)
+    ///
+    /// # Errors
+    /// As for [`Self::problem`].
+    pub fn judging(&self, begin: Begin) -> Result<Judging, ParameterError> {
+        let problem = self.problem_of(&self.held_out)?;
+        let whole = &problem.long;
+        let seen = self.held_out.iter().all(|record| {
+            use inference::record::channel::{OMEGA, THETA};
+            [THETA, OMEGA]
+                .iter()
+                .any(|c| !record.readings[*c].is_empty())
+        });
+        let data = Data::new(
+            std::sync::Arc::clone(&whole.runs),
+            &problem.rig,
+            whole.scales,
+            whole.deviations,
+            if seen { LENGTH } else { UNSEEN },
+            begin,
+        );
+        Ok(Judging {
+            units: problem.units,
+            data,
+            records: in_the_middle(&self.held_out, &self.instruments),
+            deviations: self.instruments.deviations(),
+        })
     }
 
-    fn data(&self, runs: &[Run], begin: Begin) -> Data {
-        Data::new(
-            std::sync::Arc::new(runs.to_vec()),
-            Cut::of(&self.model.rig, begin),
-            self.sensors.deviations(),
+    fn problem_of(&self, records: &[RawRecord]) -> Result<Problem, ParameterError> {
+        Problem::new(
+            &self.model.rig,
+            self.uncertainties.clone(),
+            records,
+            &self.instruments,
+            self.without.clone(),
         )
     }
 }
@@ -303,7 +407,7 @@ pub fn check_effect(name: &str) -> Result<(), CaseError> {
 const STACK: usize = 64 << 20;
 
 /// Gives the engine's threads their stack. Every work of the engine begins with reading a case.
-fn prepare_threads() {
+pub(super) fn prepare_threads() {
     // A second call finds the threads made already, as it should.
     let _ = rayon::ThreadPoolBuilder::new()
         .stack_size(STACK)
@@ -325,74 +429,27 @@ fn file_name(path: &Path) -> String {
     )
 }
 
-fn stretches(checked: &Checked, sensors: &Sensors) -> Vec<Run> {
+fn stretches(checked: &Checked) -> Vec<RawRecord> {
     checked
         .stretches
         .iter()
         .map(|stretch| {
-            let [voltage, force, theta, theta_dot, theta3, theta3_dot] = &stretch.columns;
-            Run::new(
-                checked.name.clone(),
-                stretch.time.clone(),
-                voltage.clone(),
-                force,
-                [theta, theta_dot, theta3, theta3_dot],
-                sensors,
-            )
+            let [voltage, normal_force, readings @ ..] = &stretch.columns;
+            RawRecord {
+                name: checked.name.clone(),
+                time: stretch.time.clone(),
+                voltage: voltage.clone(),
+                normal_force: normal_force.clone(),
+                readings: readings.clone(),
+            }
         })
         .collect()
 }
 
-/// Share of readings in common from which on two records are one measurement.
-const IN_COMMON: f64 = 0.2;
-
-/// Whether two records are one measurement, or parts of one: readings of the same moment agree to the last digit, and
-/// noise does not repeat. Rows at rest are left out, since without noise they are all alike.
-fn same(left: &Record, right: &Record) -> bool {
-    let (left, right) = (readings(left), readings(right));
-    let (fewer, more) = if left.len() < right.len() {
-        (left, right)
-    } else {
-        (right, left)
-    };
-    let common = fewer.intersection(&more).count();
-    common as f64 > IN_COMMON * fewer.len() as f64
-}
-
-/// The different rows of readings with motion, bit by bit.
-fn readings(record: &Record) -> BTreeSet<[u64; 4]> {
-    let columns = ["theta", "theta_dot", "theta3", "theta3_dot"].map(|name| record.column(name));
-    let [Some(theta), Some(theta_dot), Some(theta3), Some(theta3_dot)] = columns else {
-        return BTreeSet::new();
-    };
-    (0..record.len())
-        .filter(|&row| theta_dot[row] != 0.0 && theta[row] != 0.0)
-        .map(|row| [theta[row], theta_dot[row], theta3[row], theta3_dot[row]].map(f64::to_bits))
-        .collect()
-}
-
-fn note_on_inputs(runs: &[Run]) -> Option<String> {
-    let constant = |series: fn(&Run) -> &[f64], tolerance: f64| {
-        let values = || runs.iter().flat_map(|run| series(run).iter());
-        let (low, high) = values().fold((f64::MAX, f64::MIN), |(low, high), v| {
-            (low.min(*v), high.max(*v))
-        });
-        high - low <= tolerance
-    };
-    let what = match (
-        constant(|run| &run.voltage, 0.02),
-        constant(|run| &run.normal_force, 0.5),
-    ) {
-        (false, false) => return None,
-        (true, false) => {
-            "the voltage is the same throughout: effects of motor and supply cannot be told from each other"
-        }
-        (false, true) => {
-            "the normal force is the same throughout: what grows with it cannot be told from what does not"
-        }
-        (true, true) => {
-            "voltage and normal force are the same throughout: many effects cannot be told from each other"
-        }
-    };
-    Some(format!("records to learn from: {what}"))
+/// Length of a record [s].
+fn duration(record: &RawRecord) -> f64 {
+    match (record.time.first(), record.time.last()) {
+        (Some(first), Some(last)) => last - first,
+        _ => 0.0,
+    }
 }

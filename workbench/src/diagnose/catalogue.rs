@@ -1,7 +1,5 @@
-//! The catalogue of effects: how each is switched on, which numbers are fitted, from where, what it
-//! is called in records, and what it can be mistaken for.
-
-mod starts;
+//! The catalogue of effects in words: what each is, what it looks like in records, what its numbers are called there, and what
+//! it can be mistaken for. How each enters a model is in `inference::effects`.
 
 /// One physical effect that a model may lack.
 #[derive(Clone, Copy, Debug)]
@@ -16,41 +14,14 @@ pub struct Entry {
     pub confusable: &'static [&'static str],
     /// Dotted model parameter and the short name that the records use for it.
     pub symbols: &'static [(&'static str, &'static str)],
-    form: Form,
 }
 
-/// How an effect enters a hypothesis.
-#[derive(Clone, Copy, Debug)]
-enum Form {
-    /// One number; it starts at `off` (no effect) plus `near`, and where that may lead astray also at
-    /// the `far` values, all in units of `scale`.
-    One {
-        section: &'static str,
-        key: &'static str,
-        scale: f64,
-        low: f64,
-        high: f64,
-        near: f64,
-        far: &'static [f64],
-    },
-    /// Amplitude and phase; other keys of the section are held at given values, one hypothesis each.
-    Polar {
-        section: &'static str,
-        amplitude: &'static str,
-        scale: f64,
-        high: f64,
-        held: &'static [(&'static str, &'static [f64])],
-    },
-    /// Stiffness and relaxation time of the shaft's internal friction.
-    Relaxation,
-    /// Stiffness and damping of the bristles of a sticking pin.
-    Bristles,
-    /// Breakaway above sliding.
-    Stiction,
-    /// Sliding friction that falls with speed.
-    Stribeck,
-    /// Eq. 6-2.
-    Hysteresis,
+impl Entry {
+    /// Whether the effect replaces the friction law.
+    #[must_use]
+    pub fn is_law(&self) -> bool {
+        inference::effects::effect(self.name).is_some_and(inference::effects::Effect::is_law)
+    }
 }
 
 /// All effects that can be named, in a fixed order.
@@ -61,15 +32,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "a constant torque against the motion, also in runs without brake; it sticks",
         confusable: &["load_cell_bias", "load_exponent"],
         symbols: &[("bearing_friction.torque", "bearing_T")],
-        form: Form::One {
-            section: "bearing_friction",
-            key: "torque",
-            scale: 0.05,
-            low: 0.0,
-            high: 2.0,
-            near: 0.01,
-            far: &[0.3, 1.0],
-        },
     },
     Entry {
         name: "normal_force_wobble",
@@ -80,13 +42,6 @@ pub const CATALOGUE: &[Entry] = &[
             ("normal_force_wobble.amplitude", "wobble_a"),
             ("normal_force_wobble.phase", "wobble_ph"),
         ],
-        form: Form::Polar {
-            section: "normal_force_wobble",
-            amplitude: "amplitude",
-            scale: 0.25,
-            high: 0.95,
-            held: &[],
-        },
     },
     Entry {
         name: "position_friction",
@@ -97,13 +52,6 @@ pub const CATALOGUE: &[Entry] = &[
             ("position_friction.amplitude", "amplitude"),
             ("position_friction.phase", "phase"),
         ],
-        form: Form::Polar {
-            section: "position_friction",
-            amplitude: "amplitude",
-            scale: 0.25,
-            high: 0.95,
-            held: &[],
-        },
     },
     Entry {
         name: "unbalance",
@@ -114,13 +62,6 @@ pub const CATALOGUE: &[Entry] = &[
             ("unbalance.torque", "unbal_T"),
             ("unbalance.phase", "unbal_ph"),
         ],
-        form: Form::Polar {
-            section: "unbalance",
-            amplitude: "torque",
-            scale: 0.04,
-            high: 2.0,
-            held: &[],
-        },
     },
     Entry {
         name: "viscous_drag",
@@ -128,15 +69,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual torque in proportion to the disc's speed",
         confusable: &["quadratic_drag", "bearing_friction"],
         symbols: &[("viscous_drag.coefficient", "visc")],
-        form: Form::One {
-            section: "viscous_drag",
-            key: "coefficient",
-            scale: 0.008,
-            low: -0.1,
-            high: 0.5,
-            near: 0.002,
-            far: &[],
-        },
     },
     Entry {
         name: "quadratic_drag",
@@ -144,15 +76,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual torque that grows with the square of the disc's speed",
         confusable: &["viscous_drag"],
         symbols: &[("quadratic_drag.coefficient", "quad")],
-        form: Form::One {
-            section: "quadratic_drag",
-            key: "coefficient",
-            scale: 0.0012,
-            low: -0.02,
-            high: 0.1,
-            near: 0.002,
-            far: &[],
-        },
     },
     Entry {
         name: "shaft_hardening",
@@ -160,15 +83,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual torque that grows with the cube of the twist, opposite on disc and motor",
         confusable: &[],
         symbols: &[("shaft_hardening.cubic_stiffness", "k3")],
-        form: Form::One {
-            section: "shaft_hardening",
-            key: "cubic_stiffness",
-            scale: 0.03,
-            low: -0.3,
-            high: 2.0,
-            near: 0.002,
-            far: &[],
-        },
     },
     Entry {
         name: "shaft_hysteresis",
@@ -179,7 +93,6 @@ pub const CATALOGUE: &[Entry] = &[
             ("shaft_hysteresis.stiffness", "stiffness"),
             ("shaft_hysteresis.relaxation_time", "relaxation_time"),
         ],
-        form: Form::Relaxation,
     },
     Entry {
         name: "backlash",
@@ -187,15 +100,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "no shaft torque around zero twist",
         confusable: &["shaft_hardening"],
         symbols: &[("backlash.gap", "backlash")],
-        form: Form::One {
-            section: "backlash",
-            key: "gap",
-            scale: 0.25,
-            low: 0.0,
-            high: 3.0,
-            near: 0.02,
-            far: &[0.2, 0.5, 1.0],
-        },
     },
     Entry {
         name: "gear_ripple",
@@ -206,13 +110,6 @@ pub const CATALOGUE: &[Entry] = &[
             ("gear_ripple.torque", "cog_T"),
             ("gear_ripple.phase", "phase"),
         ],
-        form: Form::Polar {
-            section: "gear_ripple",
-            amplitude: "torque",
-            scale: 0.06,
-            high: 2.0,
-            held: &[("order", &[1.0, 2.0, 4.0, 6.0])],
-        },
     },
     Entry {
         name: "motor_viscous",
@@ -220,15 +117,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "a lower steady speed at a given voltage; the same as a larger back-EMF constant",
         confusable: &["supply_sag"],
         symbols: &[("motor_viscous.coefficient", "motor_visc")],
-        form: Form::One {
-            section: "motor_viscous",
-            key: "coefficient",
-            scale: 0.0006,
-            low: -0.005,
-            high: 0.05,
-            near: 0.002,
-            far: &[],
-        },
     },
     Entry {
         name: "supply_sag",
@@ -236,15 +124,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "a lower steady speed; the same as back-EMF constant and resistance larger by one factor",
         confusable: &["motor_viscous"],
         symbols: &[("supply_sag.factor", "uscale")],
-        form: Form::One {
-            section: "supply_sag",
-            key: "factor",
-            scale: 1.0,
-            low: 0.3,
-            high: 1.5,
-            near: 0.9995,
-            far: &[],
-        },
     },
     Entry {
         name: "resistance_drift",
@@ -252,15 +131,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual motor torque that grows with time and current",
         confusable: &["friction_wear"],
         symbols: &[("resistance_drift.rate_per_minute", "dRdt")],
-        form: Form::One {
-            section: "resistance_drift",
-            key: "rate_per_minute",
-            scale: 0.6,
-            low: -0.9,
-            high: 10.0,
-            near: 0.002,
-            far: &[],
-        },
     },
     Entry {
         name: "load_cell_bias",
@@ -268,15 +138,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "friction too high or too low by the same torque at every normal force",
         confusable: &["bearing_friction", "load_exponent"],
         symbols: &[("load_cell_bias.bias", "cell_bias")],
-        form: Form::One {
-            section: "load_cell_bias",
-            key: "bias",
-            scale: 4.0,
-            low: -60.0,
-            high: 60.0,
-            near: 0.002,
-            far: &[],
-        },
     },
     Entry {
         name: "friction_wear",
@@ -284,15 +145,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual torque that grows with time, in proportion to the friction",
         confusable: &["resistance_drift"],
         symbols: &[("friction_wear.rate_per_minute", "dmudt")],
-        form: Form::One {
-            section: "friction_wear",
-            key: "rate_per_minute",
-            scale: 0.3,
-            low: -0.9,
-            high: 10.0,
-            near: 0.002,
-            far: &[],
-        },
     },
     Entry {
         name: "load_exponent",
@@ -300,15 +152,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "friction too high at small and too low at large normal force, or the reverse",
         confusable: &["load_cell_bias", "bearing_friction"],
         symbols: &[("load_exponent.exponent", "load_exp")],
-        form: Form::One {
-            section: "load_exponent",
-            key: "exponent",
-            scale: 1.0,
-            low: 0.1,
-            high: 3.0,
-            near: 0.999,
-            far: &[],
-        },
     },
     Entry {
         name: "sensor_delay",
@@ -316,15 +159,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "disc readings that fit when shifted in time; residual in proportion to speed and acceleration",
         confusable: &[],
         symbols: &[("sensor_delay.delay", "delay")],
-        form: Form::One {
-            section: "sensor_delay",
-            key: "delay",
-            scale: 0.03,
-            low: 0.0,
-            high: 0.2,
-            near: 0.002,
-            far: &[],
-        },
     },
     Entry {
         name: "presliding",
@@ -335,7 +169,6 @@ pub const CATALOGUE: &[Entry] = &[
             ("presliding.stiffness", "stiffness"),
             ("presliding.damping", "damping"),
         ],
-        form: Form::Bristles,
     },
     Entry {
         name: "stiction",
@@ -343,7 +176,6 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "longer sticking and a jump of torque at breakaway",
         confusable: &["stribeck", "acceleration_hysteresis"],
         symbols: &[("contact.mu_s", "mu_s")],
-        form: Form::Stiction,
     },
     Entry {
         name: "stribeck",
@@ -355,7 +187,6 @@ pub const CATALOGUE: &[Entry] = &[
             ("contact.mu_s", "mu_s"),
             ("contact.omega_s", "omega_s"),
         ],
-        form: Form::Stribeck,
     },
     Entry {
         name: "acceleration_hysteresis",
@@ -363,11 +194,25 @@ pub const CATALOGUE: &[Entry] = &[
         signature: "residual torque over velocity with different branches for speeding up and slowing down",
         confusable: &["stribeck"],
         symbols: &[],
-        form: Form::Hysteresis,
     },
 ];
 
 /// The catalogue's entry of this name.
 pub fn entry(name: &str) -> Option<&'static Entry> {
     CATALOGUE.iter().find(|entry| entry.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_of_the_engine_is_described() {
+        let described: Vec<&str> = CATALOGUE.iter().map(|entry| entry.name).collect();
+        let known: Vec<&str> = inference::effects::EFFECTS
+            .iter()
+            .map(|effect| effect.name)
+            .collect();
+        assert_eq!(described, known);
+    }
 }

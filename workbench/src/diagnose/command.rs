@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use build_fmu::library::{self, Library};
 use clap::Args;
+use inference::marginal::Disturbance;
 use stickslip::plant::ModelFile;
 
 use super::amend;
 use super::case::{Case, CaseArguments, check_effect};
 use super::console::screen;
 use super::finding::{self, Finding, VerdictName};
-use super::forced::fit_effects;
-use super::marginal::Disturbance;
 use super::naming::{self, forced_finding, located_finding};
 use super::progress::{Interruptible, Progress};
 use super::report::{self, Report};
@@ -119,15 +118,17 @@ impl Session {
         finding.gap = Some(comparison.gap.clone());
         finding.seconds = finding.seconds.max(progress.seconds());
         progress.say("report");
-        let training = case.training();
+        let problem = case.problem()?;
+        let (training, units) = (&problem.long, &problem.units);
         let amended = ModelFile::parse(text, amend::FILE)?;
+        let judging = &comparison.judging;
         let page = Report {
             case,
             finding,
             comparison: &comparison,
-            residuals_before: &residual_torques(&training, &case.model.rig),
-            residuals_after: &residual_torques(&training, &amended.rig),
-            residuals_held_out: &residual_torques(&comparison.data, &amended.rig),
+            residuals_before: &residual_torques(training, units, &case.model.rig)?,
+            residuals_after: &residual_torques(training, units, &amended.rig)?,
+            residuals_held_out: &residual_torques(&judging.data, &judging.units, &amended.rig)?,
         }
         .to_html();
         self.interruptible.write(report::FILE, || {
@@ -197,7 +198,7 @@ pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
     let mut finding = located_finding(&session.case, &mut |what| session.progress.say(what))?;
     session.found(&mut finding, None)?;
     session.answer(&finding);
-    Ok(open_or_done(finding.verdict != VerdictName::NotInCatalogue))
+    Ok(Outcome::Done)
 }
 
 /// Which effect is missing.
@@ -231,14 +232,10 @@ pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
     let finding = if arguments.effect.is_empty() {
         Finding::read(&common.out)?
     } else {
-        let forced = fit_effects(
-            &session.case.training(),
-            &session.case.model,
-            &arguments.effect,
-            &mut |what| session.progress.say(what),
-        )?;
         let earlier = Finding::read(&common.out).ok();
-        let mut finding = forced_finding(&session.case, &arguments.effect, &forced, earlier)?;
+        let mut finding = forced_finding(&session.case, &arguments.effect, earlier, &mut |what| {
+            session.progress.say(what)
+        })?;
         session.found(&mut finding, None)?;
         finding
     };

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::catalogue::entry;
-use super::finding::{Finding, FoundEffect, Measures, Ranked, VerdictName};
+use super::finding::{Finding, FoundEffect, Measures, NO_EFFECT, Ranked, VerdictName};
 
 /// Candidates that a screen shows.
 const CANDIDATES: usize = 5;
@@ -27,6 +27,7 @@ pub fn answer(finding: &Finding) -> Vec<String> {
             for effect in &finding.effects {
                 lines.push(format!("Missing: {}.", described(effect)));
             }
+            lines.extend(nearest_rival(finding));
         }
         VerdictName::Ambiguous => {
             let names: Vec<String> = finding
@@ -50,6 +51,7 @@ pub fn answer(finding: &Finding) -> Vec<String> {
                 ));
             }
         }
+        VerdictName::Located => lines.push(located(finding)),
         VerdictName::NotInCatalogue => {
             lines.push("Something is missing that no effect of the catalogue explains.".to_owned());
             for effect in &finding.effects {
@@ -91,6 +93,45 @@ pub fn answer(finding: &Finding) -> Vec<String> {
         }
     }
     lines
+}
+
+/// Where model and records disagree, without a verdict.
+fn located(finding: &Finding) -> String {
+    match finding.structure.iter().find(|place| place.significant) {
+        Some(place) => format!(
+            "Model and records disagree most over the {} ({} equation). What is missing was not asked: `stickslip name` does.",
+            readable(&place.coordinate),
+            place.equation
+        ),
+        None => "With other nominal parameters model and records agree over every coordinate that was looked at. What is missing was not asked: `stickslip name` does.".to_owned(),
+    }
+}
+
+/// By how much the best set of effects is ahead of the next one; nothing for a finding without sets.
+fn nearest_rival(finding: &Finding) -> Option<String> {
+    let best = finding.ranking.first()?;
+    // A set that has all of the best one and more does not say otherwise.
+    let says_otherwise = |rival: &&Ranked| {
+        let own: Vec<&str> = rival.name.split(" + ").collect();
+        best.name.split(" + ").any(|name| !own.contains(&name))
+    };
+    let rival = finding
+        .ranking
+        .iter()
+        .filter(|rival| rival.score.is_some())
+        .find(says_otherwise)?;
+    let (margin, error) = (rival.margin?, rival.margin_error?);
+    let whom = if rival.name == NO_EFFECT {
+        "the model as it is".to_owned()
+    } else {
+        readable(&rival.name)
+    };
+    Some(format!(
+        "{} rather than {whom} by {} ± {} in ln likelihood on windows left out.",
+        capital(&readable(&best.name)),
+        number(margin),
+        number(error)
+    ))
 }
 
 /// An effect's name, what it is, and how probable it is.
@@ -212,6 +253,15 @@ pub fn gain_line(ranked: &Ranked) -> String {
     )
 }
 
+/// A text that begins with a capital letter.
+#[must_use]
+pub fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
+
 /// An effect's or coordinate's name in words.
 #[must_use]
 pub fn readable(name: &str) -> String {
@@ -260,6 +310,29 @@ mod tests {
                 .contains("held-out record than noise")
         };
         assert!(warning(-0.17) && !warning(0.99));
+    }
+
+    #[test]
+    fn the_nearest_rival_is_told_with_its_margin() {
+        let mut finding = finding();
+        let ranked = |name: &str, score, margin| Ranked {
+            name: name.into(),
+            score,
+            margin: Some(margin),
+            margin_error: Some(4.5),
+            ..Ranked::default()
+        };
+        finding.ranking = vec![
+            ranked("unbalance", Some(0.0), 0.0),
+            ranked("unbalance + motor_viscous", Some(-3.0), 0.1),
+            ranked("stiction", None, 3.0),
+            ranked("normal_force_wobble", Some(-40.0), 38.0),
+        ];
+        let text = answer(&finding).concat();
+        let words = "Unbalance rather than normal force wobble by 38.00 ± 4.500";
+        assert!(text.contains(words), "{text}");
+        finding.verdict = VerdictName::Located;
+        assert!(!answer(&finding).concat().contains("Missing:"));
     }
 
     #[test]

@@ -9,6 +9,7 @@ use stickslip::friction::{CoulombStiction, Stribeck, TwoGaussianMu};
 use stickslip::parameter::ParameterInfo;
 use stickslip::plant::Effects;
 
+use super::amend::law_of;
 use super::catalogue::{CATALOGUE, Entry};
 use crate::cli::Outcome;
 use crate::files::atomic;
@@ -66,7 +67,7 @@ pub fn pages() -> Vec<(String, String)> {
 fn page(entry: &Entry) -> String {
     let mut text = format!("# {}\n\n{}.\n", entry.name, capital(entry.description));
     let equations = if entry.is_law() {
-        equations::law(law(entry.name))
+        equations::law(law_of(entry.name))
     } else {
         equations::effect(entry.name)
     };
@@ -114,18 +115,9 @@ fn page(entry: &Entry) -> String {
     text
 }
 
-/// The friction law that an effect on the contact leads to.
-fn law(effect: &str) -> &'static str {
-    match effect {
-        "stiction" => "coulomb_stiction",
-        "stribeck" => "stribeck",
-        _ => "two_gaussian_mu",
-    }
-}
-
 fn parameters(entry: &Entry) -> &'static [ParameterInfo] {
     if entry.is_law() {
-        return match law(entry.name) {
+        return match law_of(entry.name) {
             "coulomb_stiction" => CoulombStiction::<f64>::INFOS,
             "stribeck" => Stribeck::<f64>::INFOS,
             _ => TwoGaussianMu::<f64>::INFOS,

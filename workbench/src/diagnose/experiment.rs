@@ -1,85 +1,128 @@
 //! An experiment that would tell effects apart which the records cannot.
 //!
 //! Among a few inputs that the rig can be given, the one is proposed on which the amended model and its nearest rival, each
-//! refitted to what the other predicts, stay furthest apart.
+//! refitted to what the other predicts, stay furthest apart. Voltages and loads are those of the records: what the bench has
+//! done it can do again.
 
+use std::sync::Arc;
+
+use inference::data::{Data, grams, reduced};
+use inference::fit::Fit;
+use inference::hypothesis::Hypothesis;
+use inference::loss::normal_equations;
+use inference::marginal::Disturbance;
+use inference::problem::Problem;
+use inference::record::{Instruments, RawRecord, Run};
+use inference::window::{Begin, LENGTH as WINDOW};
+use stickslip::parameter::ParameterError;
 use stickslip::plant::Rig;
 
-use super::data::{Data, grams, reduced};
-use super::fit::Fit;
-use super::hypothesis::Hypothesis;
-use super::losses::normal_equations;
-use super::marginal::Disturbance;
+use super::console::number;
 use super::restart::{best_starts, course};
-use super::robust::Robust;
-use super::run::Run;
-use super::sensors::Sensors;
-use super::window::{Begin, Cut};
 use crate::component::{ComponentError, Native};
 use crate::files::record::{Record, RecordError};
 
-/// Length of the experiments [s] and the step of their inputs [s].
-const LENGTH: f64 = 40.0;
-const STEP: f64 = 0.01;
+/// Length of the experiments and step of their inputs, in radians of the shaft's natural oscillation: 30 periods, of 130
+/// samples each.
+const LENGTH: f64 = 190.0;
+const STEP: f64 = 0.048;
 /// Advantage in ln likelihood from which on one of two names counts as the right one.
 const DECISIVE: f64 = 4.0;
 
 /// Inputs that can be proposed.
-pub struct Inputs {
-    /// What is done, in words.
-    pub description: &'static str,
-    /// Speed that the voltage is chosen for [rad/s] and normal force [N] at a time [s].
+struct Inputs {
+    /// Shares of the largest voltage and of the largest normal force of the records, at a share of the experiment's time.
     shape: fn(f64) -> (f64, f64),
+    /// What is done, in words, with these largest inputs [V], [N].
+    description: fn(f64, f64) -> String,
 }
 
 /// Values held one after the other for equal times.
-fn stairs(values: &[f64], time: f64) -> f64 {
-    let step = (time / LENGTH * values.len() as f64) as usize;
+fn stairs(values: &[f64], share: f64) -> f64 {
+    let step = (share * values.len() as f64) as usize;
     values[step.min(values.len() - 1)]
 }
 
+/// Loads of an experiment over loads, in shares of the records' largest.
+const LOADS: [f64; 8] = [0.0, 0.1, 0.2, 0.3, 0.5, 0.7, 0.85, 1.0];
+/// Reversals of an experiment that reverses.
+const REVERSALS: f64 = 10.0;
+
 const CANDIDATES: [Inputs; 6] = [
     Inputs {
-        description: "Without brake, at speeds from 1 to 9 rad/s forward and backward.",
         shape: |t| {
             (
-                stairs(&[1.0, 3.0, 6.0, 9.0, -9.0, -6.0, -3.0, -1.0], t),
+                stairs(&[0.15, 0.4, 0.7, 1.0, -1.0, -0.7, -0.4, -0.15], t),
                 0.0,
             )
         },
-    },
-    Inputs {
-        description: "At 3 rad/s, with normal forces from 0 to 70 N.",
-        shape: |t| {
-            (
-                3.0,
-                stairs(&[0.0, 5.0, 10.0, 20.0, 35.0, 50.0, 60.0, 70.0], t),
+        description: |u, _| {
+            format!(
+                "Without brake, at voltages from {} to {} V forward and backward.",
+                number(0.15 * u),
+                number(u)
             )
         },
     },
     Inputs {
-        description: "At 9 rad/s, with normal forces from 0 to 70 N.",
-        shape: |t| {
-            (
-                9.0,
-                stairs(&[0.0, 5.0, 10.0, 20.0, 35.0, 50.0, 60.0, 70.0], t),
+        shape: |t| (0.4, stairs(&LOADS, t)),
+        description: |u, n| {
+            format!(
+                "At {} V, with normal forces from 0 to {} N.",
+                number(0.4 * u),
+                number(n)
             )
         },
     },
     Inputs {
-        description: "Under 30 N, reversing every 4 s between 6 rad/s forward and backward.",
-        shape: |t| (if (t / 4.0) as i64 % 2 == 0 { 6.0 } else { -6.0 }, 30.0),
+        shape: |t| (1.0, stairs(&LOADS, t)),
+        description: |u, n| {
+            format!(
+                "At {} V, with normal forces from 0 to {} N.",
+                number(u),
+                number(n)
+            )
+        },
     },
     Inputs {
-        description: "Under 20 N, while the speed rises evenly from 0.5 to 12 rad/s.",
-        shape: |t| (0.5 + 11.5 * t / LENGTH, 20.0),
+        shape: |t| {
+            let forward = (t * REVERSALS) as i64 % 2 == 0;
+            (if forward { 0.7 } else { -0.7 }, 0.5)
+        },
+        description: |u, n| {
+            format!(
+                "Under {} N, reversing ten times between {} V forward and backward.",
+                number(0.5 * n),
+                number(0.7 * u)
+            )
+        },
     },
     Inputs {
-        description: "Speed and normal force both in steps: 2 and 8 rad/s under 10, 30 and 60 N.",
+        shape: |t| (0.05 + 0.95 * t, 0.3),
+        description: |u, n| {
+            format!(
+                "Under {} N, while the voltage rises evenly from {} to {} V.",
+                number(0.3 * n),
+                number(0.05 * u),
+                number(u)
+            )
+        },
+    },
+    Inputs {
         shape: |t| {
             (
-                stairs(&[2.0, 8.0, 2.0, 8.0, 2.0, 8.0], t),
-                stairs(&[10.0, 10.0, 30.0, 30.0, 60.0, 60.0], t),
+                stairs(&[0.3, 0.9, 0.3, 0.9, 0.3, 0.9], t),
+                stairs(&[0.15, 0.15, 0.5, 0.5, 1.0, 1.0], t),
+            )
+        },
+        description: |u, n| {
+            format!(
+                "Voltage and normal force both in steps: {} and {} V under {}, {} and {} N.",
+                number(0.3 * u),
+                number(0.9 * u),
+                number(0.15 * n),
+                number(0.5 * n),
+                number(n)
             )
         },
     },
@@ -90,9 +133,33 @@ pub struct Proposal {
     /// Its inputs `u` and `N2` over time.
     pub inputs: Record,
     /// What is done, in words.
-    pub description: &'static str,
+    pub description: String,
     /// Probability that it decides, 0 … 1.
     pub power: f64,
+}
+
+/// What a rig can be given: the largest inputs of the records in the plant's units.
+#[derive(Clone, Copy)]
+struct Reach {
+    voltage: f64,
+    force: f64,
+}
+
+impl Reach {
+    fn of(problem: &Problem) -> Self {
+        let largest = |of: fn(&Run) -> &[f64]| {
+            problem
+                .long
+                .runs
+                .iter()
+                .flat_map(of)
+                .fold(0.0_f64, |a, b| a.max(b.abs()))
+        };
+        Self {
+            voltage: largest(|run| &run.voltage),
+            force: largest(|run| &run.normal_force),
+        }
+    }
 }
 
 /// Proposes the experiment that separates `amended` best from its `rivals`; `None` where no rival could be fitted.
@@ -103,19 +170,17 @@ pub struct Proposal {
 /// # Errors
 /// The inputs of the best candidate are no record.
 pub fn propose(
+    problem: &Problem,
     amended: &Fit,
     rivals: &[Fit],
-    sensors: &Sensors,
 ) -> Result<Option<Proposal>, ProposalError> {
-    let Ok(rig) = amended.hypothesis.rig_at() else {
-        return Ok(None);
-    };
+    let reach = Reach::of(problem);
     let best = CANDIDATES
         .iter()
         .filter_map(|candidate| {
             let distances = rivals
                 .iter()
-                .map(|rival| both_ways(amended, rival, candidate, sensors))
+                .map(|rival| both_ways(problem, amended, rival, candidate))
                 .min_by(|a, b| least(a).total_cmp(&least(b)))?;
             least(&distances)
                 .is_finite()
@@ -125,9 +190,17 @@ pub fn propose(
     let Some(([if_amended, if_rival], candidate)) = best else {
         return Ok(None);
     };
+    let units = &problem.units;
+    let raw = inputs(problem, candidate);
+    let mut record = Record::new("experiment.csv", raw.time)?;
+    record.add_column("u", raw.voltage)?;
+    record.add_column("N2", raw.normal_force)?;
     Ok(Some(Proposal {
-        inputs: record(&rig, candidate)?,
-        description: candidate.description,
+        inputs: record,
+        description: (candidate.description)(
+            reach.voltage * units.voltage(),
+            reach.force * units.force,
+        ),
         power: 0.5 * (power(if_amended) + power(if_rival)),
     }))
 }
@@ -137,25 +210,40 @@ fn least(distances: &[f64; 2]) -> f64 {
 }
 
 /// How far the second of two models, refitted, stays from what the first predicts, and the other way round.
-fn both_ways(first: &Fit, second: &Fit, candidate: &Inputs, sensors: &Sensors) -> [f64; 2] {
+fn both_ways(problem: &Problem, first: &Fit, second: &Fit, candidate: &Inputs) -> [f64; 2] {
     [(first, second), (second, first)].map(|(right, wrong)| {
-        distance(right, wrong, candidate, sensors).unwrap_or(f64::NEG_INFINITY)
+        distance(problem, right, wrong, candidate).unwrap_or(f64::NEG_INFINITY)
     })
 }
 
 /// Squared distance [squared standard deviations of the sensors] that `wrong`, refitted, keeps from the prediction of
 /// `right`; `None` where a model cannot run.
-fn distance(right: &Fit, wrong: &Fit, candidate: &Inputs, sensors: &Sensors) -> Option<f64> {
+fn distance(problem: &Problem, right: &Fit, wrong: &Fit, candidate: &Inputs) -> Option<f64> {
     let rig = right.hypothesis.rig_at().ok()?;
-    let run = predicted(&rig, candidate).ok()?;
-    let data = Data::new(
-        std::sync::Arc::new(vec![run]),
-        Cut::of(&rig, Begin::Clear),
-        sensors.deviations(),
-    );
+    let predicted = predicted(problem, &rig, candidate).ok()?;
+    let data = cut(problem, &predicted);
     let left = |fit: &Fit| remaining(&data, &fit.hypothesis, &fit.disturbance);
     let found = left(wrong) - left(right);
     found.is_finite().then_some(found)
+}
+
+/// A prediction, or readings without steps, cut into windows.
+fn cut(problem: &Problem, record: &RawRecord) -> Data {
+    let deviations = problem.instruments.deviations();
+    // No reading was rounded down: what an encoder hides counts as noise.
+    let smooth = Instruments {
+        step: [0.0; inference::record::CHANNELS],
+        noise: deviations,
+    };
+    let run = Run::new(record, &problem.units, &problem.rig, &smooth);
+    Data::new(
+        Arc::new(vec![run]),
+        &problem.rig,
+        problem.long.scales,
+        deviations,
+        WINDOW,
+        Begin::Clear,
+    )
 }
 
 /// Why no experiment can be proposed.
@@ -164,43 +252,53 @@ pub enum ProposalError {
     /// The model cannot be run.
     #[error(transparent)]
     Component(#[from] ComponentError),
+    /// A number of the model leaves its range in SI units.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// The inputs are no record.
     #[error(transparent)]
     Record(#[from] RecordError),
 }
 
-fn record(rig: &Rig<f64>, candidate: &Inputs) -> Result<Record, RecordError> {
-    let time: Vec<f64> = (0..=(LENGTH / STEP) as usize)
-        .map(|row| row as f64 * STEP)
-        .collect();
-    let (voltage, force) = time
-        .iter()
-        .map(|&t| {
-            let (speed, force) = (candidate.shape)(t);
-            (rig.voltage_for_speed(speed), force)
-        })
-        .unzip();
-    let mut record = Record::new("experiment.csv", time)?;
-    record.add_column("u", voltage)?;
-    record.add_column("N2", force)?;
-    Ok(record)
+/// The inputs of a candidate, SI units.
+fn inputs(problem: &Problem, candidate: &Inputs) -> RawRecord {
+    let (reach, units) = (Reach::of(problem), &problem.units);
+    let count = (LENGTH / STEP) as usize;
+    let (mut voltage, mut normal_force) = (Vec::new(), Vec::new());
+    for row in 0..=count {
+        let (u, n) = (candidate.shape)(row as f64 / count as f64);
+        voltage.push(u * reach.voltage * units.voltage());
+        normal_force.push(n * reach.force * units.force);
+    }
+    RawRecord {
+        name: "prediction".to_owned(),
+        time: (0..=count)
+            .map(|row| row as f64 * STEP * units.time)
+            .collect(),
+        voltage,
+        normal_force,
+        readings: Default::default(),
+    }
 }
 
-/// What the model predicts under the inputs, without noise.
-fn predicted(rig: &Rig<f64>, candidate: &Inputs) -> Result<Run, ProposalError> {
-    let inputs = record(rig, candidate)?;
-    let column = |name: &str| inputs.require(name).map(<[f64]>::to_vec);
-    let mut run = Run {
-        name: "prediction".to_owned(),
-        time: inputs.time().to_vec(),
-        voltage: column("u")?,
-        normal_force: column("N2")?,
-        readings: Default::default(),
-    };
+/// What a model in the plant's units predicts under the inputs, without noise, for the channels that are measured.
+fn predicted(
+    problem: &Problem,
+    rig: &Rig<f64>,
+    candidate: &Inputs,
+) -> Result<RawRecord, ProposalError> {
+    let mut record = inputs(problem, candidate);
+    let rig = problem.units.to_si(rig)?;
     let mut native = Native::from_text(&rig.to_toml(), "the amended model")?;
     let rest = [0.0; stickslip::plant::STATES];
-    run.readings = course(&mut native, &run, 0, run.len() - 1, &rest)?.0;
-    Ok(run)
+    let last = record.time.len() - 1;
+    let (readings, _) = course(&mut native, &record, 0, last, &rest)?;
+    for (c, (own, predicted)) in record.readings.iter_mut().zip(readings).enumerate() {
+        if problem.long.runs.iter().all(|run| run.has(c)) {
+            *own = predicted;
+        }
+    }
+    Ok(record)
 }
 
 /// Sum of squares that a hypothesis leaves after its free numbers and the windows' starts are refitted to first order.
@@ -216,12 +314,8 @@ fn remaining(data: &Data, hypothesis: &Hypothesis, disturbance: &Disturbance) ->
         disturbance,
     );
     let precisions = hypothesis.prior_precisions();
-    let (curvature, gradient) = normal_equations(
-        forms.iter().flatten(),
-        &precisions,
-        &hypothesis.x,
-        Robust::JUDGING,
-    );
+    let (curvature, gradient) =
+        normal_equations(forms.iter().flatten(), &precisions, &hypothesis.x);
     let Some(step) = curvature.clone().cholesky().map(|c| c.solve(&gradient)) else {
         return f64::INFINITY;
     };
@@ -262,19 +356,9 @@ fn complementary_error(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    use std::path::Path;
-    use std::sync::Arc;
-
+    use inference::record::channel;
+    use inference::search::fit_effects;
     use stickslip::plant::ModelFile;
-
-    use crate::diagnose::decide::fit_base;
-    use crate::diagnose::law_fits::refit_with;
-    use crate::diagnose::run::CHANNELS;
-
-    fn data(run: Run, rig: &Rig<f64>, sensors: &Sensors) -> Data {
-        let cut = Cut::of(rig, Begin::Clear);
-        Data::new(Arc::new(vec![run]), cut, sensors.deviations())
-    }
 
     /// Irregular numbers of mean 0 and deviation 1: sums of twelve uniform ones.
     fn noise(state: &mut u64) -> f64 {
@@ -287,57 +371,57 @@ mod tests {
         (0..12).map(|_| uniform()).sum::<f64>() - 6.0
     }
 
-    fn noisy(run: &Run, sensors: &Sensors, seed: u64) -> Run {
-        let mut run = run.clone();
+    fn noisy(record: &RawRecord, instruments: &Instruments, seed: u64) -> RawRecord {
+        let mut record = record.clone();
         let mut state = seed;
-        for channel in 0..CHANNELS {
-            let deviation = sensors.deviations()[channel];
-            for reading in &mut run.readings[channel] {
+        for (readings, deviation) in record.readings.iter_mut().zip(instruments.deviations()) {
+            for reading in readings {
                 *reading += deviation * noise(&mut state);
             }
         }
-        run
-    }
-
-    /// Sensors so bad that the experiment does not decide with certainty.
-    fn bad_sensors() -> Sensors {
-        let good = Sensors::default();
-        let factor = 40.0;
-        Sensors {
-            disc_encoder_step: factor * good.disc_encoder_step,
-            gear_encoder_step: factor * good.gear_encoder_step,
-            disc_velocity_noise: factor * good.disc_velocity_noise,
-            gear_velocity_noise: factor * good.gear_velocity_noise,
-            load_cell_noise: good.load_cell_noise,
-        }
+        record
     }
 
     #[test]
     fn the_proposed_experiment_decides_as_often_as_it_says() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/unbalance/model.toml");
-        let believed = std::fs::read_to_string(path).unwrap();
+        crate::diagnose::case::prepare_threads();
+        let believed = include_str!("../../tests/data/unbalance/model.toml");
         let truth = format!("{believed}\n[viscous_drag]\ncoefficient = 0.001\n");
-        let model = ModelFile::parse(&believed, "believed").unwrap();
-        let truth = ModelFile::parse(&truth, "truth").unwrap().rig;
-        let sensors = bad_sensors();
-        // Learned from one speed without brake: drag and dry friction of the bearings are the same there.
-        let steady = Inputs {
-            description: "one speed",
-            shape: |_| (4.0, 0.0),
+        let model = ModelFile::parse(believed, "believed").unwrap();
+        // Sensors so bad that the experiment does not decide with certainty.
+        let instruments = Instruments {
+            step: [0.0; inference::record::CHANNELS],
+            noise: [0.04, 1.1, 0.005, 0.14, 0.0],
         };
-        let learned = noisy(&predicted(&truth, &steady).unwrap(), &sensors, 5);
-        let learned = data(learned, &model.rig, &sensors);
-        let base = fit_base(&learned, Hypothesis::base(&model));
+        // Learned from one speed without brake: drag and dry friction of the bearings are the same there.
+        let count = 4000;
+        let mut learned = RawRecord {
+            name: "steady".to_owned(),
+            time: (0..=count).map(|j| 0.01 * f64::from(j)).collect(),
+            voltage: vec![2.2; count as usize + 1],
+            normal_force: vec![0.0; count as usize + 1],
+            ..RawRecord::default()
+        };
+        let mut native = Native::from_text(&truth, "truth").unwrap();
+        let rest = [0.0; stickslip::plant::STATES];
+        let (readings, _) = course(&mut native, &learned, 0, count as usize, &rest).unwrap();
+        learned.readings = readings;
+        learned.readings[channel::CURRENT].clear();
+        let uncertain = ["disc.inertia", "motor.resistance", "motor.coulomb_torque"]
+            .map(|name| (name.to_owned(), 0.02));
+        let problem = Problem::new(
+            &model.rig,
+            uncertain.to_vec(),
+            &[noisy(&learned, &instruments, 5)],
+            &instruments,
+            Vec::new(),
+        )
+        .unwrap();
         let [drag, bearing] = ["viscous_drag", "bearing_friction"]
-            .map(|name| refit_with(&learned, &base, name).unwrap());
+            .map(|name| fit_effects(&problem, &[name], &mut |_| {}).unwrap().fit);
         let apart = (drag.loss - bearing.loss).abs();
         assert!(apart < DECISIVE, "told apart already: {apart}");
-
-        let (first, second) = (
-            drag.hypothesis.rig_at().unwrap(),
-            bearing.hypothesis.rig_at().unwrap(),
-        );
-        let proposal = propose(&drag, std::slice::from_ref(&bearing), &sensors)
+        let proposal = propose(&problem, &drag, std::slice::from_ref(&bearing))
             .unwrap()
             .unwrap();
         assert!(
@@ -345,21 +429,32 @@ mod tests {
             "a power of {} would test nothing",
             proposal.power
         );
+        let reach = Reach::of(&problem);
         let candidate = CANDIDATES
             .iter()
-            .find(|candidate| candidate.description == proposal.description)
+            .find(|candidate| {
+                let units = &problem.units;
+                let description = (candidate.description)(
+                    reach.voltage * units.voltage(),
+                    reach.force * units.force,
+                );
+                description == proposal.description
+            })
             .unwrap();
-        let advantage = |run: Run| {
-            let data = data(run, &model.rig, &sensors);
+        let advantage = |record: &RawRecord| {
+            let data = cut(&problem, record);
             let left = |fit: &Fit| remaining(&data, &fit.hypothesis, &Disturbance::NONE);
             0.5 * (left(&bearing) - left(&drag))
         };
         let repeats = 12;
         let mut decided = 0;
-        for (rig, sign) in [(&first, 1.0), (&second, -1.0)] {
-            let clean = predicted(rig, candidate).unwrap();
+        for (fit, sign) in [(&drag, 1.0), (&bearing, -1.0)] {
+            let rig = fit.hypothesis.rig_at().unwrap();
+            let clean = predicted(&problem, &rig, candidate).unwrap();
             decided += (0..repeats)
-                .filter(|seed| sign * advantage(noisy(&clean, &sensors, 100 + seed)) > DECISIVE)
+                .filter(|seed| {
+                    sign * advantage(&noisy(&clean, &instruments, 100 + seed)) > DECISIVE
+                })
                 .count();
         }
         let share = decided as f64 / (2 * repeats) as f64;
@@ -395,7 +490,7 @@ mod tests {
     #[test]
     fn stairs_end_on_the_last_step() {
         assert_eq!(stairs(&[1.0, 2.0], 0.0), 1.0);
-        assert_eq!(stairs(&[1.0, 2.0], 20.0), 2.0);
-        assert_eq!(stairs(&[1.0, 2.0], 40.0), 2.0);
+        assert_eq!(stairs(&[1.0, 2.0], 0.5), 2.0);
+        assert_eq!(stairs(&[1.0, 2.0], 1.0), 2.0);
     }
 }

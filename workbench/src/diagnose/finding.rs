@@ -27,6 +27,8 @@ pub enum VerdictName {
     Ambiguous,
     /// Something is missing that no effect of the catalogue explains.
     NotInCatalogue,
+    /// Where model and records disagree was looked at; what is missing was not.
+    Located,
 }
 
 impl VerdictName {
@@ -39,6 +41,7 @@ impl VerdictName {
             Self::Named => "named",
             Self::Ambiguous => "ambiguous",
             Self::NotInCatalogue => "not_in_catalogue",
+            Self::Located => "located",
         }
     }
 }
@@ -54,13 +57,16 @@ pub struct Finding {
     pub alternatives: Vec<String>,
     /// An experiment that would tell the alternatives apart.
     pub experiment: Option<Experiment>,
-    /// Every candidate, best first.
+    /// Every set of effects that was fitted, best first.
     pub ranking: Vec<Ranked>,
     /// Coordinates over which the analyst's model leaves structure, strongest first.
     #[serde(rename = "where")]
     pub structure: Vec<Located>,
     /// Coordinates over which the amended model still does, strongest first.
     pub structure_left: Vec<Located>,
+    /// Whether what was found explains the records; absent where no search was made.
+    #[serde(default)]
+    pub check: Option<CheckResult>,
     /// Refitted nominal parameters by dotted name.
     pub parameters: BTreeMap<String, ParameterValue>,
     /// How much of the held-out record's gap is closed; absent before the stage `show`.
@@ -80,7 +86,7 @@ pub struct Finding {
 pub struct FoundEffect {
     /// Name in the catalogue.
     pub name: String,
-    /// Probability that it is this one, 0 … 1; 0 for an effect that a person named.
+    /// Posterior probability of the set of effects that it belongs to, 0 … 1; 0 for an effect that a person named.
     pub probability: f64,
     /// Its numbers by their short names.
     pub parameters: BTreeMap<String, ParameterValue>,
@@ -99,15 +105,41 @@ pub struct ParameterValue {
     pub model_parameter: String,
 }
 
-/// A candidate with what it gains.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// A set of effects with what it gains.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ranked {
-    /// Name in the catalogue.
+    /// Names in the catalogue, joined by ` + `; [`NO_EFFECT`] for the analyst's model.
     pub name: String,
-    /// Gain in ln likelihood on windows it was not fitted to.
+    /// Gain over the analyst's refitted model in ln likelihood on windows it was not fitted to.
     pub gain: f64,
     /// Interval that covers the gain with 95 % probability.
     pub interval95: [f64; 2],
+    /// Log evidence with prior odds, less that of the best set; absent where a number is best at the end of its range.
+    #[serde(default)]
+    pub score: Option<f64>,
+    /// Posterior probability of the set, 0 … 1.
+    #[serde(default)]
+    pub probability: Option<f64>,
+    /// Gain of the best set over this one in ln likelihood on windows left out.
+    #[serde(default)]
+    pub margin: Option<f64>,
+    /// Standard error of the margin.
+    #[serde(default)]
+    pub margin_error: Option<f64>,
+}
+
+/// Name of the analyst's model, to which nothing is added, in a ranking.
+pub const NO_EFFECT: &str = "no_effect";
+
+/// What is left of the records, compared with what a right model leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CheckResult {
+    /// Probability that nothing is missing which the catalogue does not have.
+    pub p_value: f64,
+    /// Squared residuals over their number: about 1 where nothing but noise is left.
+    pub misfit: f64,
+    /// The most that a free torque over one coordinate gains in log evidence.
+    pub structure: f64,
 }
 
 /// Structure over one coordinate.
@@ -119,12 +151,14 @@ pub struct Located {
     pub equation: String,
     /// For `frequency`, the band [Hz] that is meant: lowest and highest.
     pub band: Option<[f64; 2]>,
-    /// Gain in ln likelihood of a free function of the coordinate, on windows it was not fitted to.
+    /// Gain of a free function of the coordinate: in log evidence, for small plants in ln likelihood on windows left out.
     pub gain: f64,
-    /// Interval that covers the gain with 95 % probability.
-    pub interval95: [f64; 2],
-    /// Gain over its standard deviation.
-    pub significance: f64,
+    /// Interval that covers the gain with 95 % probability; absent for a gain in log evidence.
+    #[serde(default)]
+    pub interval95: Option<[f64; 2]>,
+    /// Gain over its standard deviation; absent for a gain in log evidence.
+    #[serde(default)]
+    pub significance: Option<f64>,
     /// Whether the gain is beyond what chance gives among all coordinates looked at.
     pub significant: bool,
 }
@@ -278,7 +312,10 @@ impl Finding {
         match self.verdict {
             VerdictName::NothingMissing => true,
             VerdictName::NotInCatalogue => false,
-            VerdictName::Parameters | VerdictName::Named | VerdictName::Ambiguous => self
+            VerdictName::Parameters
+            | VerdictName::Named
+            | VerdictName::Ambiguous
+            | VerdictName::Located => self
                 .gap
                 .as_ref()
                 .is_none_or(|gap| gap.through_fmu.fmi3.is_closed()),
@@ -334,6 +371,7 @@ pub(super) mod tests {
             ranking: vec![],
             structure: vec![],
             structure_left: vec![],
+            check: None,
             parameters: BTreeMap::new(),
             gap: Some(Gap {
                 held_out: errors,
@@ -369,6 +407,13 @@ pub(super) mod tests {
         assert_eq!(json["effects"][0]["parameters"]["unbal_T"]["value"], 0.04);
         assert_eq!(json["gap"]["through_fmu"]["closed"], 0.99125);
         assert!(json["where"].is_array());
+    }
+
+    #[test]
+    fn a_ranking_of_an_earlier_version_can_be_read() {
+        let old = r#"{"name": "unbalance", "gain": 80.0, "interval95": [70.0, 90.0]}"#;
+        let ranked: Ranked = serde_json::from_str(old).unwrap();
+        assert_eq!((ranked.gain, ranked.margin), (80.0, None));
     }
 
     #[test]

@@ -1,17 +1,18 @@
 //! Where model and records disagree, in the terms of `finding.json`.
 
+use std::f64::consts::TAU;
+
+use inference::structure::{Coordinate, Structure};
+use inference::units::PlantUnits;
+
 use super::finding::Located;
-use super::left::STRUCTURE_GAIN;
-use super::structure::{Coordinate, Structure};
 
-/// Standard deviations between the ends of a 95 % interval.
-const INTERVAL_WIDTH: f64 = 2.0 * 1.96;
-/// Width of a band of frequencies [Hz]: eight of them, 0.05 Hz apart.
-const BAND: f64 = 0.35;
+/// Gain in log evidence from which on structure over one coordinate is significant: odds of 100 : 1.
+const SIGNIFICANT: f64 = 4.6;
 
-/// The places in their order; of the bands of frequency only the strongest.
+/// The places in their order; of the bands of frequency only the strongest, in Hz.
 #[must_use]
-pub fn located(structures: &[Structure]) -> Vec<Located> {
+pub fn located(structures: &[Structure], units: &PlantUnits) -> Vec<Located> {
     let is_band = |structure: &&Structure| matches!(structure.coordinate, Coordinate::Frequency(_));
     let strongest_band = structures
         .iter()
@@ -20,60 +21,53 @@ pub fn located(structures: &[Structure]) -> Vec<Located> {
         .map(|structure| structure.coordinate);
     structures
         .iter()
+        .filter(|structure| structure.gain.is_finite())
         .filter(|structure| !is_band(structure) || Some(structure.coordinate) == strongest_band)
-        .map(place)
+        .map(|structure| Located {
+            coordinate: structure.coordinate.name().to_owned(),
+            equation: structure.coordinate.equation().to_owned(),
+            band: structure
+                .coordinate
+                .band()
+                .map(|band| band.map(|rate| rate / (TAU * units.time))),
+            gain: structure.gain,
+            interval95: None,
+            significance: None,
+            significant: structure.gain > SIGNIFICANT,
+        })
         .collect()
-}
-
-fn place(structure: &Structure) -> Located {
-    let [low, high] = structure.interval95;
-    let deviation = (high - low) / INTERVAL_WIDTH;
-    Located {
-        coordinate: structure.coordinate.name().to_owned(),
-        equation: structure.coordinate.equation().to_owned(),
-        band: match structure.coordinate {
-            Coordinate::Frequency(first) => Some([first, first + BAND]),
-            _ => None,
-        },
-        gain: structure.gain,
-        interval95: structure.interval95,
-        significance: if deviation > 0.0 {
-            structure.gain / deviation
-        } else {
-            0.0
-        },
-        significant: structure.gain > STRUCTURE_GAIN && low > 0.0,
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn structure(coordinate: Coordinate, gain: f64) -> Structure {
-        Structure {
-            coordinate,
-            gain,
-            interval95: [gain - 19.6, gain + 19.6],
-        }
-    }
-
     #[test]
-    fn one_band_of_frequencies_is_told_with_its_ends() {
-        let found = located(&[
-            structure(Coordinate::Frequency(0.6), 80.0),
-            structure(Coordinate::DiscAngle, 60.0),
-            structure(Coordinate::Frequency(0.2), 50.0),
-        ]);
+    fn one_band_of_frequencies_is_told_with_its_ends_in_hertz() {
+        let units = PlantUnits {
+            time: 0.5,
+            torque: 1.0,
+            force: 1.0,
+            current: 1.0,
+        };
+        let structure = |coordinate, gain| Structure { coordinate, gain };
+        let found = located(
+            &[
+                structure(Coordinate::Frequency(0.6), 80.0),
+                structure(Coordinate::DiscAngle, 60.0),
+                structure(Coordinate::Frequency(0.2), 50.0),
+                structure(Coordinate::Speed, 2.0),
+            ],
+            &units,
+        );
         let names: Vec<&str> = found
             .iter()
             .map(|place| place.coordinate.as_str())
             .collect();
-        assert_eq!(names, ["frequency", "disc_angle"]);
-        assert_eq!(found[0].band, Some([0.6, 0.6 + BAND]));
+        assert_eq!(names, ["frequency", "disc_angle", "speed"]);
+        let [low, high] = found[0].band.unwrap();
+        assert!((low - 0.6 / (TAU * 0.5)).abs() < 1e-12 && high > low);
         assert_eq!(found[1].band, None);
-        assert!((found[1].significance - 6.0).abs() < 1e-12);
-        assert!(found[0].significant);
-        assert!(!located(&[structure(Coordinate::Speed, 15.0)])[0].significant);
+        assert!(found[0].significant && !found[2].significant);
     }
 }

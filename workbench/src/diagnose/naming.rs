@@ -1,23 +1,26 @@
-//! From a case to a finding: what the engine decides, in the terms of `finding.json`.
+//! From a case to a finding: what the engine decides, in SI units and in the terms of `finding.json`.
 
-use stickslip::plant::Rig;
+use inference::diagnosis::{Diagnosis, Rival, Verdict, diagnose};
+use inference::fit::Fit;
+use inference::hypothesis::Estimate;
+use inference::policy::RIVAL;
+use inference::problem::Problem;
+use inference::search::{Candidate, fit_effects};
+use inference::structure::structures;
 
-use super::amend::{found_effects, refitted};
+use super::amend::{AmendError, FittedRig, NOT_APPLICABLE, found_effects, refitted};
 use super::case::Case;
-use super::data::Data;
-use super::decide::{Diagnosis, Progress, Verdict, diagnose, fit_base};
+use super::console::{number, readable};
 use super::experiment::propose;
-use super::finding::{Experiment, Finding, Ranked, VerdictName};
-use super::fit::Fit;
-use super::forced::Forced;
-use super::hypothesis::Hypothesis;
-use super::law_fits::refit_with;
+use super::finding::{CheckResult, Experiment, Finding, NO_EFFECT, Ranked, VerdictName};
+use super::former;
 use super::located::located;
-use super::structure::structures;
 use crate::files::record::Record;
 
 /// File of the inputs of a proposed experiment, beside the finding.
 pub const EXPERIMENT_FILE: &str = "experiment.csv";
+/// Standard errors from the middle to the end of a 95 % interval.
+const TO_95_PERCENT: f64 = 1.96;
 
 /// Names what is missing; with a verdict that leaves several names, also the inputs of an experiment that tells them apart.
 ///
@@ -27,27 +30,26 @@ pub fn name(
     case: &Case,
     progress: &mut dyn FnMut(&str),
 ) -> anyhow::Result<(Finding, Option<Record>)> {
-    let found = diagnose(
-        &case.training(),
-        Hypothesis::base(&case.model),
-        &case.without,
-        &mut |what| progress(&describe(&what)),
-    );
-    let mut finding = finding(case, &found)?;
+    if former::answer::is_asked(case) {
+        return former::answer::name(case, progress);
+    }
+    let problem = case.problem()?;
+    let found = diagnose(&problem, &mut |what| progress(&described(what)));
+    let mut finding = finding(case, &problem, &found)?;
     if found.verdict != Verdict::Ambiguous {
         return Ok((finding, None));
     }
     progress("looking for an experiment that decides");
-    let rivals: Vec<Fit> = found
-        .alternatives
-        .iter()
-        .filter_map(|name| refit_with(&found.data, &found.base, name))
+    let rivals: Vec<Fit> = told(&found)
+        .skip(1)
+        .filter_map(|rival| fit_effects(&problem, &rival.effects, &mut |_| {}))
+        .map(|candidate| candidate.fit)
         .collect();
-    let proposal = propose(&found.amended, &rivals, &case.sensors)?;
+    let proposal = propose(&problem, &found.best, &rivals)?;
     let inputs = proposal.map(|proposal| {
         finding.experiment = Some(Experiment {
             file: EXPERIMENT_FILE.to_owned(),
-            description: proposal.description.to_owned(),
+            description: proposal.description,
             expected_power: proposal.power,
         });
         proposal.inputs
@@ -55,24 +57,37 @@ pub fn name(
     Ok((finding, inputs))
 }
 
-/// What the engine is doing, in words.
-fn describe(progress: &Progress<'_>) -> String {
-    match progress {
-        Progress::Base => "fitting the nominal parameters".to_owned(),
-        Progress::Trying { name, round: 0 } => format!("trying {name}"),
-        Progress::Trying { name, round } => format!("trying {name} as effect {}", round + 1),
-        Progress::Locating => "looking for structure".to_owned(),
-        Progress::Breakaways => {
-            "the disc breaks away above what it slides at; once more".to_owned()
-        }
-        Progress::EveryStart(name) => {
-            format!("that does not explain it; once more {name}, from every start")
-        }
-        Progress::Without(name) => format!("that does not explain it; once more without {name}"),
+/// What the engine is doing, in words: most of it is trying effects.
+fn described(what: &str) -> String {
+    if what.starts_with("what ") {
+        format!("looking at {what}")
+    } else {
+        format!("trying {}", readable(what))
     }
 }
 
-fn finding(case: &Case, found: &Diagnosis) -> anyhow::Result<Finding> {
+/// The sets that are worth telling, the best first.
+fn told(found: &Diagnosis) -> impl Iterator<Item = &Rival> {
+    found
+        .ranking
+        .iter()
+        .filter(|rival| rival.probability > RIVAL)
+        .filter(|rival| {
+            let beside = |name| rival.effects.contains(name);
+            rival.effects == found.effects || !found.effects.iter().all(beside)
+        })
+}
+
+/// A set's effects as a ranking has them.
+fn joined(effects: &[&str]) -> String {
+    if effects.is_empty() {
+        NO_EFFECT.to_owned()
+    } else {
+        effects.join(" + ")
+    }
+}
+
+fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<Finding> {
     let verdict = match found.verdict {
         Verdict::NothingMissing => VerdictName::NothingMissing,
         Verdict::Parameters => VerdictName::Parameters,
@@ -80,78 +95,136 @@ fn finding(case: &Case, found: &Diagnosis) -> anyhow::Result<Finding> {
         Verdict::Ambiguous => VerdictName::Ambiguous,
         Verdict::NotInCatalogue => VerdictName::NotInCatalogue,
     };
-    // Effects that leave structure are not added: the model keeps its refitted parameters alone.
-    let fit = if verdict == VerdictName::NotInCatalogue {
-        &found.base
-    } else {
-        &found.amended
-    };
-    let effects: Vec<(String, f64)> = found
-        .effects
-        .iter()
-        .map(|effect| (effect.name.to_owned(), effect.probability))
-        .collect();
-    let mut finding = from_fit(case, verdict, &effects, fit, &found.data)?;
-    if verdict == VerdictName::Ambiguous {
-        finding.alternatives = effects
+    let (fit, estimates) = found.amended();
+    // Effects that do not explain the records are not added: the model keeps its refitted parameters alone.
+    let effects: Vec<(String, f64)> = match verdict {
+        VerdictName::Named | VerdictName::Ambiguous => found
+            .effects
             .iter()
-            .take(1)
-            .map(|(name, _)| name.clone())
-            .chain(found.alternatives.iter().map(|name| (*name).to_owned()))
-            .collect();
+            .map(|name| ((*name).to_owned(), found.probability_of(name)))
+            .collect(),
+        _ => Vec::new(),
+    };
+    let mut finding = from_fit(case, problem, verdict, &effects, fit, estimates)?;
+    if verdict == VerdictName::Ambiguous {
+        finding.alternatives = told(found).map(|rival| joined(&rival.effects)).collect();
     }
-    finding.ranking = found
-        .ranking
-        .iter()
-        .map(|ranked| Ranked {
-            name: ranked.name.to_owned(),
-            gain: ranked.gain,
-            interval95: ranked.interval95,
-        })
-        .collect();
-    finding.structure = located(&found.structure);
-    finding.structure_left = located(&found.structure_left);
-    if verdict != VerdictName::NotInCatalogue {
-        // Whatever is left, a right model leaves as much.
-        let left = &mut finding.structure_left;
-        left.iter_mut().for_each(|place| place.significant = false);
-        if effects.is_empty() {
-            finding.structure = finding.structure_left.clone();
-        }
-    }
+    finding.ranking = found.ranking.iter().map(ranked).collect();
+    finding.structure = located(&found.structure, &problem.units);
+    finding.structure_left = located(&found.structure_left, &problem.units);
+    finding.check = Some(CheckResult {
+        p_value: found.check.p_value,
+        misfit: finite(found.check.misfit).unwrap_or_default(),
+        structure: finite(found.check.structure).unwrap_or_default(),
+    });
+    finding.notes.extend(fates(found));
     Ok(finding)
 }
 
-/// Where the model and the records disagree, with the nominal parameters refitted.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn ranked(rival: &Rival) -> Ranked {
+    let gain = finite(rival.gain).unwrap_or_default();
+    let reach = TO_95_PERCENT * finite(rival.gain_error).unwrap_or_default();
+    Ranked {
+        name: joined(&rival.effects),
+        gain,
+        interval95: [gain - reach, gain + reach],
+        score: finite(rival.score),
+        probability: finite(rival.probability),
+        margin: finite(rival.margin),
+        margin_error: finite(rival.margin_error),
+    }
+}
+
+/// What became of sets that came first, or would have: a failed check, a number at the end of its range, a fit that did not
+/// converge.
+fn fates(found: &Diagnosis) -> Vec<String> {
+    let mut notes = Vec::new();
+    let Some(best) = found.ranking.first() else {
+        return notes;
+    };
+    let name = readable(&joined(&best.effects));
+    if found.verdict == Verdict::NotInCatalogue && !best.effects.is_empty() {
+        let place = found.structure_left.first().map_or(String::new(), |place| {
+            format!(
+                "; most is structured over the {}",
+                readable(place.coordinate.name())
+            )
+        });
+        notes.push(format!(
+            "{name} came first, with a gain of {} in ln likelihood, but does not explain the records: {}{place}",
+            number(best.gain),
+            found.check.reasons.join("; ")
+        ));
+    }
+    if !best.effects.is_empty() && !best.is_converged {
+        notes.push(format!("the fit of {name} did not converge: its numbers may be off by more than their intervals"));
+    }
+    let rejected = found
+        .ranking
+        .iter()
+        .filter(|rival| !rival.at_an_end.is_empty() && rival.gain > best.gain.max(0.0))
+        .max_by(|a, b| a.gain.total_cmp(&b.gain));
+    if let Some(rival) = rejected {
+        notes.push(format!(
+            "{} would gain {} in ln likelihood, but is not considered: the best value of its number {} is the end of its range",
+            readable(&joined(&rival.effects)),
+            number(rival.gain),
+            rival.at_an_end.join(", ")
+        ));
+    }
+    notes
+}
+
+/// Where the model and the records disagree, with the nominal parameters refitted; no verdict is reached.
 ///
 /// # Errors
 /// The fitted model cannot be built.
 pub fn located_finding(case: &Case, progress: &mut dyn FnMut(&str)) -> anyhow::Result<Finding> {
-    let data = case.training();
-    progress("nominal parameters");
-    let base = fit_base(&data, Hypothesis::base(&case.model));
+    let problem = case.problem()?;
+    let base = fitted(&problem, &[], progress)?;
     progress("where they disagree");
-    let structure = located(&structures(&data, &base));
-    let verdict = if structure.iter().any(|place| place.significant) {
-        VerdictName::NotInCatalogue
-    } else {
-        VerdictName::Parameters
-    };
-    let mut finding = from_fit(case, verdict, &[], &base, &data)?;
-    finding.structure = structure;
+    let estimates = base.fit.estimates(&problem.long);
+    let mut finding = from_fit(
+        case,
+        &problem,
+        VerdictName::Located,
+        &[],
+        &base.fit,
+        &estimates,
+    )?;
+    finding.structure = located(&structures(&problem.long, &base.fit), &problem.units);
     Ok(finding)
 }
 
-/// A finding with effects that a person named; ranking and places come from the finding there was.
+fn fitted(
+    problem: &Problem,
+    names: &[&str],
+    progress: &mut dyn FnMut(&str),
+) -> Result<Candidate, AmendError> {
+    fit_effects(problem, names, progress).ok_or_else(|| AmendError::NotApplicable {
+        effect: names.join(" with "),
+        reason: NOT_APPLICABLE,
+    })
+}
+
+/// A finding with effects that a person named, fitted whether they gain or not; ranking and places come from the finding there
+/// was.
 ///
 /// # Errors
-/// The fitted model cannot be built.
+/// The fitted model cannot be built, or an effect cannot be added to it.
 pub fn forced_finding(
     case: &Case,
     names: &[String],
-    forced: &Forced,
     earlier: Option<Finding>,
+    progress: &mut dyn FnMut(&str),
 ) -> anyhow::Result<Finding> {
+    let problem = case.problem()?;
+    let own: Vec<&str> = names.iter().map(String::as_str).collect();
+    let forced = fitted(&problem, &own, progress)?;
     let effects: Vec<(String, f64)> = names
         .iter()
         .map(|name| {
@@ -162,12 +235,14 @@ pub fn forced_finding(
             (name.clone(), known.map_or(0.0, |effect| effect.probability))
         })
         .collect();
+    let estimates = forced.fit.estimates(&problem.long);
     let mut finding = from_fit(
         case,
+        &problem,
         VerdictName::Named,
         &effects,
         &forced.fit,
-        &forced.data,
+        &estimates,
     )?;
     finding.notes.push(format!(
         "the effects were given by --effect: {}",
@@ -182,22 +257,23 @@ pub fn forced_finding(
 
 fn from_fit(
     case: &Case,
+    problem: &Problem,
     verdict: VerdictName,
     effects: &[(String, f64)],
     fit: &Fit,
-    data: &Data,
+    estimates: &[Estimate],
 ) -> anyhow::Result<Finding> {
-    let rig: Rig<f64> = fit.hypothesis.rig_at()?;
-    let estimates = fit.estimates(data);
+    let fitted = FittedRig::of(&fit.hypothesis.rig_at()?, estimates, &problem.units)?;
     Ok(Finding {
         verdict,
-        effects: found_effects(&rig, effects, &estimates),
+        effects: found_effects(&fitted, effects),
         alternatives: Vec::new(),
         experiment: None,
         ranking: Vec::new(),
         structure: Vec::new(),
         structure_left: Vec::new(),
-        parameters: refitted(&rig, &estimates),
+        check: None,
+        parameters: refitted(&fitted),
         gap: None,
         friction_fluctuation: fit.disturbance.relative,
         without: case.without.clone(),

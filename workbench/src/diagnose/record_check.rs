@@ -1,47 +1,71 @@
 //! What can be used of a record: stretches without holes, in the right units.
 
+use std::f64::consts::TAU;
+
+use inference::record::CHANNELS;
 use stickslip::plant::Rig;
 use thiserror::Error;
 
+use super::console::number;
 use super::record_units::{check_angles, check_units};
-use super::sensors::Sensors;
 use crate::files::record::{Record, RecordError};
 
-/// Columns that a diagnosis needs, in this order.
-pub const COLUMNS: [&str; 6] = ["u", "N2", "theta", "theta_dot", "theta3", "theta3_dot"];
+/// Columns that a diagnosis can use, in this order: the inputs, which it needs, and what may be measured of the motion.
+pub const COLUMNS: [&str; INPUTS + CHANNELS] =
+    ["u", "N2", "theta", "theta_dot", "theta3", "theta3_dot", "i"];
 /// How many of them, from the first, are inputs.
-const INPUTS: usize = 2;
-/// Shortest stretch that is used [s].
-const SHORTEST_STRETCH: f64 = 1.0;
-/// Longest sampling interval at which the motion can be followed [s].
-const LONGEST_INTERVAL: f64 = 0.05;
-/// Sampling interval towards which faster records are thinned out [s]: the engine's time grows with the samples, and the
+pub(super) const INPUTS: usize = 2;
+/// Shortest stretch that is used, in natural periods of the disc on its shaft.
+const SHORTEST_STRETCH: f64 = 0.75;
+/// Fewest samples in such a period at which sticking and slipping can be followed.
+const FEWEST_SAMPLES: f64 = 12.0;
+/// Samples in such a period towards which faster records are thinned out: the engine's time grows with the samples, and the
 /// motion has nothing faster to show.
-const THINNED_INTERVAL: f64 = 0.01;
+const THINNED_SAMPLES: f64 = 130.0;
+
+/// Natural period of the disc on its shaft [s]: what long and short mean to a record.
+#[must_use]
+pub fn natural_period(rig: &Rig<f64>) -> f64 {
+    TAU * (rig.disc.inertia / rig.shaft.stiffness).sqrt()
+}
 
 /// Why a record cannot be used.
 #[derive(Debug, Error)]
 pub enum RecordProblem {
-    /// A column is missing.
-    #[error("{0}; a diagnosis needs time, u, N2, theta, theta_dot, theta3 and theta3_dot")]
+    /// An input is missing.
+    #[error(
+        "{0}; a diagnosis needs time, u, N2 and some of theta, theta_dot, theta3, theta3_dot and i"
+    )]
     Column(RecordError),
+    /// No motion was measured.
+    #[error(
+        "{file}: has no column of the motion; a diagnosis needs at least one of theta [rad], theta_dot [rad/s], theta3 [rad] and theta3_dot [rad/s]"
+    )]
+    NoColumn {
+        /// The record.
+        file: String,
+    },
     /// No stretch is long enough.
     #[error(
-        "{file}: has no stretch of {SHORTEST_STRETCH} s without holes; its longest has {seconds:.2} s"
+        "{file}: has no stretch of {needed:.3} s without holes, three quarters of a period of the disc on its shaft; its longest has {seconds:.3} s"
     )]
     TooShort {
         /// The record.
         file: String,
+        /// Length that is needed [s].
+        needed: f64,
         /// Length of its longest stretch [s].
         seconds: f64,
     },
     /// Samples are too rare.
     #[error(
-        "{file}: is sampled every {interval:.3} s; sticking and slipping can be followed up to {LONGEST_INTERVAL} s"
+        "{file}: is sampled every {interval:.4} s; sticking and slipping of this rig can be followed up to {longest:.4} s, {FEWEST_SAMPLES} samples in a period of the disc on its shaft"
     )]
     Coarse {
         /// The record.
         file: String,
+        /// Longest interval [s].
+        longest: f64,
         /// Median sampling interval [s].
         interval: f64,
     },
@@ -83,7 +107,7 @@ pub enum RecordProblem {
     },
     /// Speed and voltage do not fit.
     #[error(
-        "{file}: at the mean of |u| = {voltage:.4} this motor turns its gearbox at most at {possible:.3} rad/s, but |theta3_dot| has the mean {found:.3}; {guess}"
+        "{file}: at the mean of |u| = {voltage:.4} this motor turns its gearbox at most at {possible:.3} rad/s, but the measured speed has the mean {found:.3}; {guess}"
     )]
     Speed {
         /// The record.
@@ -92,7 +116,7 @@ pub enum RecordProblem {
         voltage: f64,
         /// Speed at which the back-EMF equals that [rad/s].
         possible: f64,
-        /// Mean of |theta3_dot|.
+        /// Mean speed as measured [rad/s].
         found: f64,
         /// Which unit that would be, as a question.
         guess: String,
@@ -138,8 +162,8 @@ pub enum RecordProblem {
 pub struct Stretch {
     /// Sample times [s].
     pub time: Vec<f64>,
-    /// The columns of [`COLUMNS`].
-    pub columns: [Vec<f64>; 6],
+    /// The columns of [`COLUMNS`]; empty where one was not measured.
+    pub columns: [Vec<f64>; INPUTS + CHANNELS],
 }
 
 /// A record that can be used.
@@ -153,15 +177,30 @@ pub struct Checked {
     pub notes: Vec<String>,
 }
 
+impl Checked {
+    /// Which of θ2, ω2, θ3, ω3, i were measured.
+    #[must_use]
+    pub fn has(&self) -> [bool; CHANNELS] {
+        let first = self.stretches.first();
+        std::array::from_fn(|c| first.is_some_and(|s| !s.columns[INPUTS + c].is_empty()))
+    }
+}
+
 /// Checks a record and takes it apart at its holes.
 ///
 /// # Errors
 /// [`RecordProblem`] where a column is missing, nothing moves, it is too short or coarse, or units do not fit.
-pub fn check(record: &Record, rig: &Rig<f64>, sensors: &Sensors) -> Result<Checked, RecordProblem> {
+pub fn check(record: &Record, rig: &Rig<f64>) -> Result<Checked, RecordProblem> {
     let file = record.source().to_owned();
     let mut notes = Vec::new();
-    for name in COLUMNS {
+    for name in &COLUMNS[..INPUTS] {
         record.require(name).map_err(RecordProblem::Column)?;
+    }
+    if COLUMNS[INPUTS..COLUMNS.len() - 1]
+        .iter()
+        .all(|name| record.column(name).is_none())
+    {
+        return Err(RecordProblem::NoColumn { file });
     }
     let ignored: Vec<&str> = record
         .names()
@@ -170,17 +209,23 @@ pub fn check(record: &Record, rig: &Rig<f64>, sensors: &Sensors) -> Result<Check
     if !ignored.is_empty() {
         notes.push(format!("{file}: columns not used: {}", ignored.join(", ")));
     }
-    let stretches = stretches(record, &mut notes)?;
+    let period = natural_period(rig);
+    let stretches = stretches(record, &COLUMNS, rig, &mut notes)?;
     let interval = record.median_step();
-    check_units(&file, &stretches, rig, sensors)?;
-    if interval > LONGEST_INTERVAL {
-        return Err(RecordProblem::Coarse { file, interval });
+    check_units(&file, &stretches, rig)?;
+    let longest = period / FEWEST_SAMPLES;
+    if interval > longest {
+        return Err(RecordProblem::Coarse {
+            file,
+            interval,
+            longest,
+        });
     }
-    let every = (THINNED_INTERVAL / interval * (1.0 + 1e-6)) as usize;
+    let every = (period / THINNED_SAMPLES / interval).round() as usize;
     let stretches = if every > 1 {
         notes.push(format!(
-            "{file}: is sampled every {:.3} ms; every {every}th sample is used, with the inputs' means between them",
-            1e3 * interval
+            "{file}: is sampled every {} s; one sample in {every} is used, with the inputs' means between them",
+            number(interval)
         ));
         stretches.iter().map(|s| thinned(s, every)).collect()
     } else {
@@ -216,12 +261,23 @@ fn thinned(stretch: &Stretch, every: usize) -> Stretch {
     }
 }
 
-fn stretches(record: &Record, notes: &mut Vec<String>) -> Result<Vec<Stretch>, RecordProblem> {
-    let columns: Vec<&[f64]> = COLUMNS
-        .iter()
-        .filter_map(|name| record.column(name))
-        .collect();
-    let complete = |row: usize| columns.iter().all(|column| column[row].is_finite());
+fn stretches(
+    record: &Record,
+    used: &[&str],
+    rig: &Rig<f64>,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Stretch>, RecordProblem> {
+    let needed = SHORTEST_STRETCH * natural_period(rig);
+    let columns: [&[f64]; INPUTS + CHANNELS] = std::array::from_fn(|c| {
+        let name = used.get(c).copied();
+        name.and_then(|name| record.column(name))
+            .unwrap_or_default()
+    });
+    let complete = |row: usize| {
+        columns
+            .iter()
+            .all(|column| column.get(row).is_none_or(|value| value.is_finite()))
+    };
     let longest_step = 1.5 * record.median_step();
     let mut pieces: Vec<(usize, usize)> = Vec::new();
     for row in (0..record.len()).filter(|row| complete(*row)) {
@@ -236,20 +292,21 @@ fn stretches(record: &Record, notes: &mut Vec<String>) -> Result<Vec<Stretch>, R
     }
     let stretch = |&(from, to): &(usize, usize)| Stretch {
         time: record.time()[from..=to].to_vec(),
-        columns: std::array::from_fn(|c| columns[c][from..=to].to_vec()),
+        columns: columns.map(|column| column.get(from..=to).unwrap_or_default().to_vec()),
     };
     let length = |&(from, to): &(usize, usize)| record.time()[to] - record.time()[from];
     let used: Vec<(usize, usize)> = pieces
         .iter()
         .copied()
-        .filter(|piece| length(piece) >= SHORTEST_STRETCH)
+        .filter(|piece| length(piece) >= needed)
         .collect();
     if used.is_empty() {
         // Time in another unit may be all that makes it short.
         let all: Vec<Stretch> = pieces.iter().map(stretch).collect();
-        check_angles(record.source(), &all)?;
+        check_angles(record.source(), &all, rig.gearbox.ratio)?;
         return Err(RecordProblem::TooShort {
             file: record.source().to_owned(),
+            needed,
             seconds: pieces.iter().map(length).fold(0.0, f64::max),
         });
     }
@@ -287,6 +344,7 @@ mod tests {
                 column(3),
                 column(4),
                 column(5),
+                Vec::new(),
             ],
         };
         let thin = thinned(&stretch, 10);
@@ -295,5 +353,6 @@ mod tests {
         assert_eq!(thin.columns[2][3], stretch.columns[2][30]);
         // The mean of samples 30 … 39.
         assert_eq!(thin.columns[0][3], 34.5);
+        assert!(thin.columns[6].is_empty());
     }
 }

@@ -2,44 +2,67 @@
 
 use std::f64::consts::{PI, TAU};
 
+use stickslip::friction::Law;
 use stickslip::plant::Rig;
 
-use super::record_check::{RecordProblem, Stretch};
-use super::sensors::Sensors;
+use super::record_check::{RecordProblem, Stretch, natural_period};
 
 /// How far the ratio of two scales may be off the one expected.
 const SCALE_TOLERANCE: f64 = 0.05;
 /// Number of samples over which an angle's change is compared with its velocity.
 const SPAN: usize = 10;
-/// Normal force beyond which nothing presses on this rig's disc [N].
-const LARGEST_FORCE: f64 = 5000.0;
-/// Way that both ends of the shaft must have gone for its twist not to matter [rad], and how far their ratio may be off.
-const CLEAR_WAY: f64 = 12.0;
+/// Friction torque over the motor's largest beyond which, and below which, a normal force contradicts the rig.
+const CONTRADICTION: (f64, f64) = (1e-3, 30.0);
+/// Way that the shaft must have gone for its twist not to matter, in the twist that friction and the motion bring about, and
+/// how far the ratio of its ends' ways may be off.
+const CLEAR_WAY: f64 = 4.0;
 const SHAFT_TOLERANCE: f64 = 0.3;
-/// Change of an angle from which on its velocity must have been seen [rad].
+/// Change of an angle from which on its velocity must have been seen [rad]: a good part of a turn.
 const CLEAR_TURN: f64 = 1.0;
+/// Share of the mean of what goes on by which a column's scatter hides it.
+const HIDDEN: f64 = 0.1;
 
 /// Compares the scales of angles and velocities, of speed and voltage, and of the normal force with what the rig allows.
 ///
 /// # Errors
 /// [`RecordProblem`] that asks which unit was meant.
-pub fn check_units(
-    file: &str,
-    stretches: &[Stretch],
-    rig: &Rig<f64>,
-    sensors: &Sensors,
-) -> Result<(), RecordProblem> {
-    check_angles(file, stretches)?;
-    check_shaft(file, stretches)?;
+pub fn check_units(file: &str, stretches: &[Stretch], rig: &Rig<f64>) -> Result<(), RecordProblem> {
+    check_angles(file, stretches, rig.gearbox.ratio)?;
+    check_shaft(file, stretches, rig)?;
     check_speed(file, stretches, rig)?;
-    check_force(file, stretches, sensors)
+    check_force(file, stretches, rig)
+}
+
+/// Largest torque that the motor can hold its gearbox output with under the voltages of a record [N m].
+fn stall_torque(stretches: &[Stretch], rig: &Rig<f64>) -> f64 {
+    let voltage = largest(stretches, 0);
+    voltage * rig.motor.torque_constant * rig.gearbox.ratio / rig.motor.resistance
+}
+
+/// Friction torque of the analyst's law under a normal force [N m]; 0 for a law that is none of the force.
+fn friction_torque(force: f64, rig: &Rig<f64>) -> f64 {
+    match rig.law {
+        Law::TwoGaussianTorque(_) => 0.0,
+        _ => rig.law.breakaway() * rig.contact.radius * force,
+    }
+}
+
+fn largest(stretches: &[Stretch], column: usize) -> f64 {
+    stretches
+        .iter()
+        .flat_map(|s| s.columns[column].iter())
+        .fold(0.0_f64, |a, b| a.max(b.abs()))
 }
 
 /// Compares the scales of angles, velocities and time.
 ///
 /// # Errors
 /// As for [`check_units`].
-pub fn check_angles(file: &str, stretches: &[Stretch]) -> Result<(), RecordProblem> {
+pub fn check_angles(
+    file: &str,
+    stretches: &[Stretch],
+    gear_ratio: f64,
+) -> Result<(), RecordProblem> {
     for (column, rate, angle_at, rate_at) in
         [("theta", "theta_dot", 2, 3), ("theta3", "theta3_dot", 4, 5)]
     {
@@ -63,7 +86,7 @@ pub fn check_angles(file: &str, stretches: &[Stretch]) -> Result<(), RecordProbl
                 time,
             });
         }
-        let guess = guess(ratio, column, rate);
+        let guess = guess(ratio, column, rate, gear_ratio);
         return Err(RecordProblem::Units {
             file: file.to_owned(),
             column,
@@ -76,7 +99,7 @@ pub fn check_angles(file: &str, stretches: &[Stretch]) -> Result<(), RecordProbl
 }
 
 /// Disc and gearbox output hang on one shaft: over many turns both turn as far.
-fn check_shaft(file: &str, stretches: &[Stretch]) -> Result<(), RecordProblem> {
+fn check_shaft(file: &str, stretches: &[Stretch], rig: &Rig<f64>) -> Result<(), RecordProblem> {
     let way = |at: usize| -> f64 {
         stretches
             .iter()
@@ -85,11 +108,16 @@ fn check_shaft(file: &str, stretches: &[Stretch]) -> Result<(), RecordProblem> {
     };
     let (disc, gear) = (way(2), way(4));
     let ratio = gear / disc;
-    if disc.abs().min(gear.abs()) < CLEAR_WAY || (ratio - 1.0).abs() < SHAFT_TOLERANCE {
+    let twist = friction_torque(largest(stretches, 1), rig) / rig.shaft.stiffness
+        + mean_speed(stretches).unwrap_or_default() * natural_period(rig) / TAU;
+    let clear = (CLEAR_WAY * twist).max(TAU);
+    // An angle in turns goes a sixth of its way.
+    let way = disc.abs().max(gear.abs());
+    if way < clear || disc == 0.0 || gear == 0.0 || (ratio - 1.0).abs() < SHAFT_TOLERANCE {
         return Ok(());
     }
     let near = |expected: f64| (ratio / expected - 1.0).abs() < SHAFT_TOLERANCE;
-    let guess = if near(8.0) {
+    let guess = if near(rig.gearbox.ratio) {
         "are `theta3` and `theta3_dot` on the motor's side of the gearbox? They must be at the gearbox output"
     } else if near(180.0 / PI) {
         "are `theta3` and `theta3_dot` in degrees? They must be in rad and rad/s"
@@ -112,14 +140,17 @@ fn check_shaft(file: &str, stretches: &[Stretch]) -> Result<(), RecordProblem> {
 }
 
 fn check_speed(file: &str, stretches: &[Stretch], rig: &Rig<f64>) -> Result<(), RecordProblem> {
-    let mean = |at: usize| mean(stretches, at, f64::abs);
-    let (voltage, found) = (mean(0), mean(5));
-    if found < 1e-3 && mean(3) < 0.06 {
+    let voltage = mean(stretches, 0, f64::abs);
+    let volts_per_speed = rig.gearbox.ratio * rig.motor.back_emf_constant;
+    if is_still(stretches) {
         return Err(RecordProblem::NoMotion {
             file: file.to_owned(),
         });
     }
-    let possible = voltage / (rig.gearbox.ratio * rig.motor.back_emf_constant);
+    let Some(found) = mean_speed(stretches) else {
+        return Ok(());
+    };
+    let possible = voltage / volts_per_speed;
     let share = found / possible;
     // A loaded motor turns more slowly than its back-EMF allows, never much faster: also at a thousandth of the voltage, if
     // that were meant.
@@ -141,29 +172,74 @@ fn check_speed(file: &str, stretches: &[Stretch], rig: &Rig<f64>) -> Result<(), 
     })
 }
 
-fn check_force(file: &str, stretches: &[Stretch], sensors: &Sensors) -> Result<(), RecordProblem> {
-    let force = |of: fn(f64) -> f64| mean(stretches, 1, of);
-    let (level, size) = (force(|v| v), force(f64::abs));
-    let largest = stretches
+/// Mean speed [rad/s] by the tachometer or the encoder of the gearbox output, or else of the disc.
+fn mean_speed(stretches: &[Stretch]) -> Option<f64> {
+    let has = |at: usize| stretches.iter().all(|s| !s.columns[at].is_empty());
+    let by_way = |at: usize| {
+        let (way, time) = stretches.iter().fold((0.0, 0.0), |(way, time), s| {
+            let angle = &s.columns[at];
+            let path: f64 = angle.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+            (way + path, time + s.time[s.time.len() - 1] - s.time[0])
+        });
+        way / time
+    };
+    [5, 4, 3, 2].into_iter().find(|at| has(*at)).map(|at| {
+        if at % 2 == 1 {
+            mean(stretches, at, f64::abs)
+        } else {
+            by_way(at)
+        }
+    })
+}
+
+/// Whether nothing moves: no angle changes, and no velocity is more than what it scatters from sample to sample.
+fn is_still(stretches: &[Stretch]) -> bool {
+    (2..6).all(|at| {
+        let values = || stretches.iter().flat_map(|s| s.columns[at].iter());
+        let (low, high) = values().fold((f64::MAX, f64::MIN), |(low, high), v| {
+            (low.min(*v), high.max(*v))
+        });
+        if at % 2 == 0 {
+            // A step of an encoder that the shaft rests on may be gone back and forth.
+            let steps = stretches
+                .iter()
+                .flat_map(|s| {
+                    s.columns[at]
+                        .windows(2)
+                        .map(|pair| (pair[1] - pair[0]).abs())
+                })
+                .filter(|step| *step > 0.0)
+                .fold(f64::MAX, f64::min);
+            return low >= high || high - low <= 1.5 * steps;
+        }
+        let size = mean(stretches, at, f64::abs);
+        // The mean size of a difference of two samples is √2 times that of noise alone.
+        low >= high || size < scatter(stretches, at)
+    })
+}
+
+/// Mean size of the differences from sample to sample.
+fn scatter(stretches: &[Stretch], at: usize) -> f64 {
+    let (sum, count) = stretches
         .iter()
-        .flat_map(|s| s.columns[1].iter())
-        .fold(0.0_f64, |a, b| a.max(b.abs()));
-    let steps: Vec<f64> = stretches
-        .iter()
-        .flat_map(|s| {
-            s.columns[1]
-                .windows(2)
-                .map(|pair| (pair[1] - pair[0]).abs())
-        })
-        .collect();
-    let scatter = steps.iter().sum::<f64>() / steps.len().max(1) as f64;
-    let guess = if largest > LARGEST_FORCE {
-        "is it in mN or g? It must be in N"
-    } else if level < -3.0 * sensors.load_cell_noise {
+        .flat_map(|s| s.columns[at].windows(2))
+        .fold((0.0, 0.0), |(sum, count), pair| {
+            (sum + (pair[1] - pair[0]).abs(), count + 1.0_f64)
+        });
+    sum / count.max(1.0)
+}
+
+fn check_force(file: &str, stretches: &[Stretch], rig: &Rig<f64>) -> Result<(), RecordProblem> {
+    let level = mean(stretches, 1, |v| v);
+    let is_clear = scatter(stretches, 1) < HIDDEN * level.abs();
+    let share = |force: f64| friction_torque(force, rig) / stall_torque(stretches, rig);
+    let has_brake = friction_torque(1.0, rig) > 0.0;
+    let guess = if share(largest(stretches, 1)) > CONTRADICTION.1 {
+        "with it the friction torque is far beyond what the motor can turn against: is it in mN or g? It must be in N"
+    } else if level < 0.0 && is_clear {
         "does it count pulling as positive? Pressing must be positive, and a pin cannot pull"
-    } else if size > 0.0 && largest < sensors.load_cell_noise && scatter < 0.1 * level {
-        // A level that stands out of its own scatter, but is less than the load cell can tell from nothing.
-        "is it in kN? It must be in N; smaller forces than the load cell's noise cannot be read"
+    } else if has_brake && is_clear && share(level) < CONTRADICTION.0 {
+        "with it the friction torque is nothing to the motor: is it in kN? It must be in N"
     } else {
         return Ok(());
     };
@@ -191,6 +267,12 @@ fn dead(
     (angle, angle_at): (&'static str, usize),
     (rate, rate_at): (&'static str, usize),
 ) -> Option<(&'static str, &'static str)> {
+    if stretches
+        .iter()
+        .any(|s| s.columns[angle_at].is_empty() || s.columns[rate_at].is_empty())
+    {
+        return None;
+    }
     let path = |at: usize| {
         stretches
             .iter()
@@ -229,7 +311,14 @@ fn dead(
 
 /// Change of the angle over the integral of its velocity, by least squares over spans; `None` where nothing moves.
 fn scale_ratio(stretches: &[Stretch], angle: usize, rate: usize) -> Option<f64> {
-    let (mut cross, mut square) = (0.0, 0.0);
+    let (mut cross, mut square, mut noise) = (0.0, 0.0, 0.0);
+    if stretches
+        .iter()
+        .any(|s| s.columns[angle].is_empty() || s.columns[rate].is_empty())
+    {
+        return None;
+    }
+    let noise_of_rate = scatter(stretches, rate);
     for stretch in stretches {
         let (time, theta, omega) = (
             &stretch.time,
@@ -243,11 +332,13 @@ fn scale_ratio(stretches: &[Stretch], angle: usize, rate: usize) -> Option<f64> 
                 .sum();
             cross += integral * (theta[row + SPAN] - theta[row]);
             square += integral * integral;
+            let step = (time[row + SPAN] - time[row]) / SPAN as f64;
+            noise += SPAN as f64 * (noise_of_rate * step).powi(2);
             row += SPAN;
         }
     }
-    // Tachometer noise alone adds up to far less than a tenth of a turn in all.
-    (square > 1e-3 && cross != 0.0).then(|| cross / square)
+    // Where a tachometer's noise makes up the integral, it says nothing about the scale.
+    (square > 30.0 * noise && cross != 0.0).then(|| cross / square)
 }
 
 /// When the angle first jumps back by a turn while the motion goes on.
@@ -264,7 +355,7 @@ fn wrap(stretches: &[Stretch], angle: usize, rate: usize) -> Option<f64> {
 }
 
 /// Which units would explain the ratio.
-fn guess(ratio: f64, angle: &str, rate: &str) -> String {
+fn guess(ratio: f64, angle: &str, rate: &str, gear_ratio: f64) -> String {
     let known = [
         (
             PI / 30.0,
@@ -298,11 +389,11 @@ fn guess(ratio: f64, angle: &str, rate: &str) -> String {
         (1e-6, "is `time` in µs? It must be in s".to_owned()),
         (60.0, "is `time` in minutes? It must be in s".to_owned()),
         (
-            8.0,
+            gear_ratio,
             "is it on the motor's side of the gearbox? It must be at the gearbox output".to_owned(),
         ),
         (
-            1.0 / 8.0,
+            1.0 / gear_ratio,
             format!(
                 "is `{rate}` on the motor's side of the gearbox? It must be at the gearbox output"
             ),

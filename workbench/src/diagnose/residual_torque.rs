@@ -1,21 +1,21 @@
 //! Residual torques: what would have to be added on the disc and on the motor, piece by piece, for a model to follow the
 //! records.
 
-use super::data::{Data, reduced};
-use super::gram::{Gram, Place};
-use super::marginal::Disturbance;
-use super::restart::best_starts;
+use inference::data::{Data, reduced};
+use inference::gram::{Gram, Place};
+use inference::marginal::Disturbance;
+use inference::units::PlantUnits;
+use stickslip::parameter::ParameterError;
 use stickslip::plant::Rig;
 
-/// Standard deviation that the residual torques may have a priori [N m].
-const PRIOR_TORQUE: f64 = 0.2;
+use super::restart::best_starts;
 
 /// Residual torques over one piece of a window.
 #[derive(Debug, Clone, Copy)]
 pub struct ResidualTorque {
     /// Record that the piece belongs to.
     pub run: usize,
-    /// Where the motion is.
+    /// Where the motion is, SI units.
     pub place: Place,
     /// Torque on the disc [N m].
     pub disc: f64,
@@ -27,15 +27,23 @@ pub struct ResidualTorque {
     pub motor_deviation: f64,
 }
 
-/// Residual torques of `rig` on the records of `data`.
-#[must_use]
-pub fn residual_torques(data: &Data, rig: &Rig<f64>) -> Vec<ResidualTorque> {
+/// Residual torques of `rig`, which is in SI units, on the records of `data`, which are in the plant's `units`.
+///
+/// # Errors
+/// A number of the rig leaves its range in the plant's units.
+pub fn residual_torques(
+    data: &Data,
+    units: &PlantUnits,
+    rig: &Rig<f64>,
+) -> Result<Vec<ResidualTorque>, ParameterError> {
+    // A priori they may be as large as the friction torque.
+    let prior = data.scales.torque;
     let free = Disturbance {
-        disc: PRIOR_TORQUE,
-        motor: PRIOR_TORQUE,
+        disc: prior,
+        motor: prior,
         ..Disturbance::NONE
     };
-    let starts = best_starts(data, rig);
+    let starts = best_starts(data, &units.to_plant(rig)?);
     let forms = reduced(data, &starts.states, &starts.grams, &free);
     let mut found = Vec::new();
     for ((gram, form), window) in starts.grams.iter().zip(&forms).zip(&data.windows) {
@@ -45,8 +53,9 @@ pub fn residual_torques(data: &Data, rig: &Rig<f64>) -> Vec<ResidualTorque> {
         let torques = form.disturbances();
         let at = |column: usize| {
             let torque = torques.iter().find(|(found, _, _)| *found == column);
+            let unit = prior * units.torque;
             torque.map_or((0.0, 0.0), |(_, value, deviation)| {
-                (PRIOR_TORQUE * value, PRIOR_TORQUE * deviation)
+                (unit * value, unit * deviation)
             })
         };
         for (piece, place) in gram.places.iter().enumerate() {
@@ -54,7 +63,7 @@ pub fn residual_torques(data: &Data, rig: &Rig<f64>) -> Vec<ResidualTorque> {
             let (motor, motor_deviation) = at(gram.motor() + piece);
             found.push(ResidualTorque {
                 run: window.run,
-                place: *place,
+                place: to_si(place, units),
                 disc,
                 disc_deviation,
                 motor,
@@ -62,5 +71,18 @@ pub fn residual_torques(data: &Data, rig: &Rig<f64>) -> Vec<ResidualTorque> {
             });
         }
     }
-    found
+    Ok(found)
+}
+
+fn to_si(place: &Place, units: &PlantUnits) -> Place {
+    Place {
+        time: place.time * units.time,
+        speed: place.speed / units.time,
+        acceleration: place.acceleration / units.time.powi(2),
+        gear_speed: place.gear_speed / units.time,
+        normal_force: place.normal_force * units.force,
+        current: place.current * units.current,
+        friction: place.friction * units.torque,
+        ..*place
+    }
 }

@@ -3,24 +3,29 @@
 //! A window starts from the state from which the model fits its readings best, with the measured motion as prior; the
 //! start is found natively and then set in whatever component is run, so that the model and its FMUs are judged alike.
 
+use inference::bristle_start::deflect_bristles;
+use inference::data::{Data, grams, reduced};
+use inference::gram::Gram;
+use inference::hypothesis::Hypothesis;
+use inference::marginal::Disturbance;
+use inference::record::{CHANNELS, RawRecord};
+use inference::units::PlantUnits;
+use inference::window::{PIECE, START_COMPONENTS, Window};
 use nalgebra::{DMatrix, DVector};
 use stickslip::plant::{Rig, RigState, index};
 
-use super::bristle_start::deflect_bristles;
-use super::data::{Data, grams, reduced};
-use super::gram::Gram;
-use super::hypothesis::Hypothesis;
-use super::marginal::Disturbance;
-use super::run::{CHANNELS, Run};
-use super::window::{PIECE, START_COMPONENTS, Window};
+use super::case::Judging;
 use crate::component::{Component, ComponentError, position};
 
 /// Most improvements of a window's start.
-const MOST_IMPROVEMENTS: usize = 8;
+const MOST_IMPROVEMENTS: usize = 20;
 /// Decrease of a window's sum of squares below which its start is good.
 const GOOD: f64 = 0.01;
 
-/// Where windows start under a model, and what the right model would leave.
+/// Channels of the disc, which a delay concerns: θ2 and ω2.
+const DISC_CHANNELS: usize = 2;
+
+/// Where windows start under a model, in the plant's units, and what the right model would leave.
 #[derive(Debug, Clone)]
 pub struct Starts {
     /// State at each window's first sample, as fits have it; [`Self::to_set`] is for components.
@@ -29,7 +34,7 @@ pub struct Starts {
     pub grams: Vec<Option<Gram>>,
 }
 
-/// The best starts of all windows under `rig`.
+/// The best starts of all windows under `rig`, which is in the plant's units.
 #[must_use]
 pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
     let hypothesis = Hypothesis {
@@ -107,14 +112,17 @@ fn misfit(gram: &Option<Gram>, state: &RigState<f64>, data: &Data, at: usize) ->
 }
 
 impl Starts {
-    /// The states to set in a component of `rig`.
+    /// The states to set in a component of `rig`, which is in the plant's units: SI units.
     #[must_use]
-    pub fn to_set(&self, rig: &Rig<f64>) -> Vec<RigState<f64>> {
-        let mut states = self.states.clone();
-        for state in &mut states {
-            deflect_bristles(rig, state);
-        }
-        states
+    pub fn to_set(&self, rig: &Rig<f64>, units: &PlantUnits) -> Vec<RigState<f64>> {
+        self.states
+            .iter()
+            .map(|state| {
+                let mut state = *state;
+                deflect_bristles(rig, &mut state);
+                units.state_to_si(&state)
+            })
+            .collect()
     }
 
     /// Sum of squares that each window would show, on average, if the model were right and only the sensors and random
@@ -169,7 +177,7 @@ fn floor(gram: &Gram, window: &Window, disturbance: &Disturbance) -> Option<f64>
 /// A window as a component ran it.
 #[derive(Debug, Clone)]
 pub struct WindowCourse {
-    /// Values of θ2, ω2, θ3, ω3 at the window's samples.
+    /// Values of θ2, ω2, θ3, ω3, i at the window's samples, SI units.
     pub values: [Vec<f64>; CHANNELS],
     /// Friction torque on the disc at the window's samples [N m].
     pub friction: Vec<f64>,
@@ -183,7 +191,7 @@ pub struct WindowCourse {
 struct Ports {
     inputs: [usize; 2],
     states: Vec<(usize, usize)>,
-    outputs: [usize; 5],
+    outputs: [usize; CHANNELS + 1],
 }
 
 impl Ports {
@@ -215,6 +223,7 @@ impl Ports {
                 at("theta_dot")?,
                 at("theta3")?,
                 at("theta3_dot")?,
+                at("i")?,
                 at("T_f")?,
             ],
         })
@@ -223,7 +232,7 @@ impl Ports {
     fn start(
         &self,
         component: &mut dyn Component,
-        run: &Run,
+        run: &RawRecord,
         from: usize,
         to: usize,
         state: &RigState<f64>,
@@ -239,7 +248,7 @@ impl Ports {
         component.initialise(run.time[from], run.time[to])
     }
 
-    fn held(&self, run: &Run, sample: usize) -> [(usize, f64); 2] {
+    fn held(&self, run: &RawRecord, sample: usize) -> [(usize, f64); 2] {
         [
             (self.inputs[0], run.voltage[sample]),
             (self.inputs[1], run.normal_force[sample]),
@@ -247,13 +256,14 @@ impl Ports {
     }
 }
 
-/// Runs `component` from `state` over the samples `from` … `to` of a record.
+/// Runs `component` from `state` over the samples `from` … `to` of a record, SI units: θ2, ω2, θ3, ω3, i and the friction
+/// torque on the disc [N m].
 ///
 /// # Errors
 /// Whatever the component refuses.
 pub fn course(
     component: &mut dyn Component,
-    run: &Run,
+    run: &RawRecord,
     from: usize,
     to: usize,
     state: &RigState<f64>,
@@ -262,7 +272,7 @@ pub fn course(
     ports.start(component, run, from, to, state)?;
     let mut values: [Vec<f64>; CHANNELS] = Default::default();
     let mut friction = Vec::with_capacity(to - from + 1);
-    let mut row = [0.0; 5];
+    let mut row = [0.0; CHANNELS + 1];
     for sample in from..=to {
         if sample > from {
             component.step(run.time[sample - 1], run.time[sample])?;
@@ -276,12 +286,12 @@ pub fn course(
         for (channel, value) in values.iter_mut().zip(row) {
             channel.push(value);
         }
-        friction.push(row[4]);
+        friction.push(row[CHANNELS]);
     }
     Ok((values, friction))
 }
 
-/// Runs `component` through every window from its start; `None` where it could not.
+/// Runs `component` through every window from its start [SI units]; `None` where it could not.
 ///
 /// What the disc's sensors show before `delay` [s] has passed since a window's start lies before that start and is left out.
 ///
@@ -289,28 +299,32 @@ pub fn course(
 /// The component lacks a variable of the rig.
 pub fn window_courses(
     component: &mut dyn Component,
-    data: &Data,
+    judging: &Judging,
     starts: &[RigState<f64>],
     delay: f64,
 ) -> Result<Vec<Option<WindowCourse>>, ComponentError> {
     Ports::of(component)?;
-    Ok(data
+    Ok(judging
+        .data
         .windows
         .iter()
         .zip(starts)
         .map(|(window, state)| {
-            let run = &data.runs[window.run];
+            let run = &judging.records[window.run];
             let (values, friction) =
                 course(component, run, window.first, window.last, state).ok()?;
             let shown_from = run.time[window.first] + delay;
             let (mut square, mut residuals) = (0.0, 0);
             for (channel, series) in values.iter().enumerate() {
+                let readings = &run.readings[channel];
+                if readings.is_empty() {
+                    continue;
+                }
                 for (value, sample) in series.iter().zip(window.first..) {
-                    if channel < 2 && run.time[sample] < shown_from {
+                    if channel < DISC_CHANNELS && run.time[sample] < shown_from {
                         continue;
                     }
-                    square += ((run.readings[channel][sample] - value) / data.deviations[channel])
-                        .powi(2);
+                    square += ((readings[sample] - value) / judging.deviations[channel]).powi(2);
                     residuals += 1;
                 }
             }

@@ -10,16 +10,17 @@ use std::path::Path;
 use build_fmu::build::{BuildError, Source};
 use build_fmu::library::Library;
 use build_fmu::platform::FmiVersion;
+use inference::data::Data;
+use inference::marginal::Disturbance;
+use inference::record::{CHANNELS, RawRecord, channel};
+use inference::window::Begin;
+use stickslip::parameter::ParameterError;
 use stickslip::plant::{ModelFile, Rig, RigState};
 use thiserror::Error;
 
-use super::case::Case;
-use super::data::Data;
+use super::case::{Case, Judging};
 use super::finding::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
-use super::marginal::Disturbance;
 use super::restart::{Starts, WindowCourse, best_starts, course, window_courses};
-use super::run::{CHANNELS, Run};
-use super::window::Begin;
 use crate::analysis::measures::{
     amplitude_pulse_level, pearson_correlation, root_mean_square_error,
 };
@@ -41,6 +42,9 @@ pub enum ShowError {
     /// An FMU could not be built.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// A number of a model leaves its range in the plant's units.
+    #[error("in the plant's own units: {0}")]
+    Units(#[from] ParameterError),
     /// A directory for the FMUs could not be made.
     #[error("no directory for the FMUs: {0}")]
     Directory(std::io::Error),
@@ -53,7 +57,7 @@ pub enum ShowError {
 pub struct Shown {
     /// Each window from its best start.
     pub windows: Vec<Option<WindowCourse>>,
-    /// θ2, ω2, θ3, ω3 of one run over the longest stretch; empty where the model cannot run through.
+    /// θ2, ω2, θ3, ω3, i of one run over the longest stretch, SI units; empty where the model cannot run through.
     pub free_run: [Vec<f64>; CHANNELS],
     /// Its friction torque [N m].
     pub friction: Vec<f64>,
@@ -64,7 +68,7 @@ pub struct Comparison {
     /// The figures.
     pub gap: Gap,
     /// The held-out record in windows.
-    pub data: Data,
+    pub judging: Judging,
     /// The stretch over which the free run goes.
     pub free_stretch: usize,
     /// The analyst's model.
@@ -87,20 +91,22 @@ pub fn compare(
     work: &Path,
 ) -> Result<Comparison, ShowError> {
     let branches = case.model.rig.law.has_branches() || amended.rig.law.has_branches();
-    let data = case.judging(if branches {
+    let judging = case.judging(if branches {
         Begin::SpeedingUp
     } else {
         Begin::Clear
-    });
-    let starts_before = best_starts(&data, &case.model.rig);
-    let starts_after = best_starts(&data, &amended.rig);
-    let set_before = starts_before.to_set(&case.model.rig);
-    let set_after = starts_after.to_set(&amended.rig);
+    })?;
+    let (data, units) = (&judging.data, &judging.units);
+    let plant_before = units.to_plant(&case.model.rig)?;
+    let plant_after = units.to_plant(&amended.rig)?;
+    let starts_after = best_starts(data, &plant_after);
+    let set_before = best_starts(data, &plant_before).to_set(&plant_before, units);
+    let set_after = starts_after.to_set(&plant_after, units);
     let mut native_before = Native::from_text(&case.model_text, "the analyst's model")?;
     let mut native_after = Native::from_text(amended_text, "the amended model")?;
     let delays = [delay(&case.model.rig), delay(&amended.rig)];
-    let windows_before = window_courses(&mut native_before, &data, &set_before, delays[0])?;
-    let windows_after = window_courses(&mut native_after, &data, &set_after, delays[1])?;
+    let windows_before = window_courses(&mut native_before, &judging, &set_before, delays[0])?;
+    let windows_after = window_courses(&mut native_after, &judging, &set_after, delays[1])?;
     let both: Vec<bool> = windows_before
         .iter()
         .zip(&windows_after)
@@ -115,13 +121,13 @@ pub fn compare(
     } else {
         *disturbance
     };
-    let floor = floor(&starts_after, &data, &noise, &windows_after, &both);
+    let floor = floor(&starts_after, data, &noise, &windows_after, &both);
     let error = |windows: &[Option<WindowCourse>]| root_mean_square(windows, &both);
     let held_out = window_error(error(&windows_before), error(&windows_after), floor);
 
-    let free_stretch = longest(&data.runs);
-    let run = &data.runs[free_stretch];
-    let begin = first_state(&data, free_stretch);
+    let free_stretch = longest(&judging.records);
+    let run = &judging.records[free_stretch];
+    let begin = units.state_to_si(&first_state(data, free_stretch));
     let mut through = Vec::new();
     let mut after_through_fmu = None;
     for (text, starts, delay) in [
@@ -135,7 +141,12 @@ pub fn compare(
                 version,
                 &work.join(format!("{}", through.len())),
             )?;
-            through.push(error(&window_courses(fmu.as_mut(), &data, starts, delay)?));
+            through.push(error(&window_courses(
+                fmu.as_mut(),
+                &judging,
+                starts,
+                delay,
+            )?));
             if through.len() == 3 {
                 after_through_fmu = Some(free(fmu.as_mut(), run, &begin));
             }
@@ -177,7 +188,7 @@ pub fn compare(
             free_run: free_after,
             friction: friction_after,
         },
-        data,
+        judging,
     })
 }
 
@@ -248,9 +259,9 @@ fn window_error(before: f64, after: f64, noise_floor: f64) -> WindowError {
     }
 }
 
-fn longest(runs: &[Run]) -> usize {
-    (0..runs.len())
-        .max_by_key(|&at| runs[at].len())
+fn longest(records: &[RawRecord]) -> usize {
+    (0..records.len())
+        .max_by_key(|&at| records[at].time.len())
         .unwrap_or(0)
 }
 
@@ -264,20 +275,35 @@ fn first_state(data: &Data, run: usize) -> RigState<f64> {
 /// A run over all of a stretch; empty where the component stops on the way.
 fn free(
     component: &mut dyn Component,
-    run: &Run,
+    run: &RawRecord,
     begin: &RigState<f64>,
 ) -> ([Vec<f64>; CHANNELS], Vec<f64>) {
-    course(component, run, 0, run.len() - 1, begin).unwrap_or_default()
+    course(component, run, 0, run.time.len() - 1, begin).unwrap_or_default()
 }
 
-fn mean_speed(run: &Run) -> f64 {
-    run.readings[3].iter().map(|speed| speed.abs()).sum::<f64>() / run.len() as f64
+/// Mean speed [rad/s] by the first that was measured of the gearbox output's velocity, its angle, and the disc's.
+fn mean_speed(run: &RawRecord) -> f64 {
+    let time = run.time.last().copied().unwrap_or(0.0) - run.time[0];
+    let by_velocity = |c: usize| {
+        let readings = &run.readings[c];
+        let sum: f64 = readings.iter().map(|speed| speed.abs()).sum();
+        (!readings.is_empty()).then(|| sum / readings.len() as f64)
+    };
+    let by_angle = |c: usize| {
+        let (first, last) = (run.readings[c].first()?, run.readings[c].last()?);
+        Some((last - first).abs() / time)
+    };
+    by_velocity(channel::OMEGA3)
+        .or_else(|| by_angle(channel::THETA3))
+        .or_else(|| by_velocity(channel::OMEGA))
+        .or_else(|| by_angle(channel::THETA))
+        .unwrap_or(0.0)
 }
 
-fn measures(model: &[Vec<f64>; CHANNELS], run: &Run, reference_speed: f64) -> Measures {
-    let (model, measured) = (&model[1], &run.readings[1]);
+fn measures(model: &[Vec<f64>; CHANNELS], run: &RawRecord, reference_speed: f64) -> Measures {
+    let (model, measured) = (&model[channel::OMEGA], &run.readings[channel::OMEGA]);
     let finite = |value: f64| value.is_finite().then_some(value);
-    if model.is_empty() {
+    if model.is_empty() || measured.is_empty() {
         return Measures {
             rmse: None,
             nrmse: None,

@@ -4,9 +4,9 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use inference::record::RawRecord;
 use workbench::component::Native;
 use workbench::diagnose::restart::course;
-use workbench::diagnose::run::Run;
 use workbench::diagnose::sensors::Sensors;
 use workbench::files::record::Record;
 
@@ -51,9 +51,10 @@ pub fn record(model: &str, inputs: Inputs, seconds: f64, interval: f64, seed: u6
 
 /// What the rig's sensors show of `model` under planned inputs, as CSV.
 pub fn sensed(model: &str, planned: &Record, seed: u64) -> String {
-    let sensors = Sensors::default();
+    let instruments = Sensors::dissertation().completed(&inference::record::Instruments::default());
+    let load_cell_noise = Sensors::dissertation().load_cell_noise.unwrap();
     let samples = planned.len();
-    let run = Run {
+    let run = RawRecord {
         name: "simulated".to_owned(),
         time: planned.time().to_vec(),
         voltage: planned.require("u").unwrap().to_vec(),
@@ -71,16 +72,16 @@ pub fn sensed(model: &str, planned: &Record, seed: u64) -> String {
         let load_cell = if force == 0.0 {
             0.0
         } else {
-            force + sensors.load_cell_noise * noise.next()
+            force + load_cell_noise * noise.next()
         };
         text.push_str(&format!(
             "{:.4},{:.5},{load_cell:.3},{:.6},{:.4},{:.6},{:.5}\n",
             run.time[row],
             run.voltage[row],
-            step_down(motion[0][row], sensors.disc_encoder_step),
-            motion[1][row] + sensors.disc_velocity_noise * noise.next(),
-            step_down(motion[2][row], sensors.gear_encoder_step),
-            motion[3][row] + sensors.gear_velocity_noise * noise.next(),
+            step_down(motion[0][row], instruments.step[0]),
+            motion[1][row] + instruments.noise[1] * noise.next(),
+            step_down(motion[2][row], instruments.step[2]),
+            motion[3][row] + instruments.noise[3] * noise.next(),
         ));
     }
     text

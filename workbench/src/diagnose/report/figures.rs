@@ -2,25 +2,62 @@
 
 use std::f64::consts::{PI, TAU};
 
+use inference::record::{CHANNELS, RawRecord, channel};
+use inference::window::PIECE;
 use stickslip::friction::acceleration_angle;
 
 use crate::analysis::spectrum::Spectrum;
-use crate::diagnose::finding::{Finding, Ranked};
+use crate::diagnose::finding::Finding;
 use crate::diagnose::residual_torque::ResidualTorque;
-use crate::diagnose::run::Run;
 use crate::diagnose::show::{Comparison, Shown};
-use crate::diagnose::window::PIECE;
 use crate::plot::{Axis, Bar, Bars, Chart, Figure, Marker, Panel, Style};
 
 /// Bins of a residual torque over a coordinate.
 const BINS: usize = 24;
 /// Candidates shown in the ranking.
 const SHOWN_CANDIDATES: usize = 12;
-/// Length of the stretch shown in the time series of windows [s].
-const SHOWN_TIME: f64 = 10.0;
-/// Scales of the phase-plane angle [rad/s], [rad/s²]: the same for all models and for the measured motion, as in the search
-/// for structure.
-const ANGLE_SCALES: (f64, f64) = (6.0, 45.0);
+/// Length of the stretch shown in the time series of windows, in natural periods of the disc on its shaft.
+const SHOWN_PERIODS: f64 = 8.0;
+/// Highest frequency shown, in natural frequencies.
+const SHOWN_FREQUENCIES: f64 = 7.0;
+/// Speed below which the disc counts as sticking, as a share of the record's.
+const SLOW: f64 = 0.01;
+
+/// What the pictures are scaled by, SI units.
+#[derive(Debug, Clone, Copy)]
+pub struct Scaling {
+    /// A radian of the natural oscillation [s].
+    pub time: f64,
+    /// Ratio of the gearbox.
+    pub ratio: f64,
+    /// Speed [rad/s] and acceleration [rad/s²] that are the scales of the phase-plane angle: the same for all models and for
+    /// the measured motion, as in the search for structure.
+    pub angle: (f64, f64),
+}
+
+impl Scaling {
+    /// That of a comparison of models of a rig with this gearbox.
+    pub fn of(comparison: &Comparison, ratio: f64) -> Self {
+        let (units, scales) = (&comparison.judging.units, &comparison.judging.data.scales);
+        Self {
+            time: units.time,
+            ratio,
+            angle: (
+                0.5 * scales.speed / units.time,
+                scales.acceleration / units.time.powi(2),
+            ),
+        }
+    }
+
+    /// Length of the pieces of residual torques [s].
+    pub fn piece(&self) -> f64 {
+        PIECE * self.time
+    }
+
+    fn highest_frequency(&self) -> f64 {
+        SHOWN_FREQUENCIES / (TAU * self.time)
+    }
+}
 
 fn before() -> Style {
     Style::series(1)
@@ -39,7 +76,11 @@ fn scatter() -> Style {
 }
 
 /// Residual torques of both models over every coordinate.
-pub fn residuals(before_all: &[ResidualTorque], after_all: &[ResidualTorque]) -> Figure {
+pub fn residuals(
+    before_all: &[ResidualTorque],
+    after_all: &[ResidualTorque],
+    scaling: &Scaling,
+) -> Figure {
     let sliding = |all: &[ResidualTorque]| -> Vec<ResidualTorque> {
         all.iter().filter(|r| r.place.sliding).copied().collect()
     };
@@ -79,7 +120,7 @@ pub fn residuals(before_all: &[ResidualTorque], after_all: &[ResidualTorque]) ->
                     "torque on the gearbox output over the motor's angle",
                     before_all,
                     after_all,
-                    |r| (8.0 * r.place.gear_angle).rem_euclid(TAU),
+                    |r| (scaling.ratio * r.place.gear_angle).rem_euclid(TAU),
                     |r| r.motor,
                 )),
             ],
@@ -96,7 +137,7 @@ pub fn residuals(before_all: &[ResidualTorque], after_all: &[ResidualTorque]) ->
                     .line("before", &orders(), &order_amplitudes(&old), before())
                     .line("after", &orders(), &order_amplitudes(&new), after()),
                 ),
-                Box::new(frequencies(before_all, after_all)),
+                Box::new(frequencies(before_all, after_all, scaling)),
             ],
         )
 }
@@ -180,17 +221,17 @@ fn order_amplitudes(all: &[ResidualTorque]) -> Vec<f64> {
         .collect()
 }
 
-fn frequencies(old: &[ResidualTorque], new: &[ResidualTorque]) -> Chart {
+fn frequencies(old: &[ResidualTorque], new: &[ResidualTorque], scaling: &Scaling) -> Chart {
     let spectrum = |all: &[ResidualTorque]| {
         let first_run: Vec<f64> = all
             .iter()
             .filter(|r| r.run == 0)
             .map(|r| if r.place.sliding { r.disc } else { 0.0 })
             .collect();
-        Spectrum::new(&first_run, PIECE)
+        Spectrum::new(&first_run, scaling.piece())
     };
     let mut chart = Chart::new(
-        Axis::new("frequency [Hz]").range(0.0, 5.0),
+        Axis::new("frequency [Hz]").range(0.0, scaling.highest_frequency()),
         Axis::new("amplitude [N m]"),
     )
     .title("frequencies, first record");
@@ -208,18 +249,15 @@ pub fn ranking(finding: &Finding) -> Figure {
         .ranking
         .iter()
         .take(SHOWN_CANDIDATES)
-        .map(
-            |Ranked {
-                 name,
-                 gain,
-                 interval95,
-             }| Bar {
-                name: name.replace('_', " "),
-                value: *gain,
-                interval: Some((interval95[0], interval95[1])),
-                stressed: finding.effects.iter().any(|effect| effect.name == *name),
-            },
-        )
+        .map(|ranked| Bar {
+            name: ranked.name.replace('_', " "),
+            value: ranked.gain,
+            interval: Some((ranked.interval95[0], ranked.interval95[1])),
+            stressed: ranked
+                .name
+                .split(" + ")
+                .all(|name| finding.effects.iter().any(|effect| effect.name == name)),
+        })
         .collect();
     let bars = Bars::new(
         Axis::new("gain in ln likelihood on windows not fitted to"),
@@ -230,17 +268,19 @@ pub fn ranking(finding: &Finding) -> Figure {
 }
 
 /// The held-out record's velocity: measured, restarted windows and free run.
-pub fn time_series(comparison: &Comparison) -> Figure {
-    let run = &comparison.data.runs[comparison.free_stretch];
-    let end = run.time[0] + SHOWN_TIME.min(run.time[run.len() - 1] - run.time[0]);
+pub fn time_series(comparison: &Comparison, scaling: &Scaling) -> Figure {
+    let run = &comparison.judging.records[comparison.free_stretch];
+    let last = run.time.last().copied().unwrap_or(0.0);
+    let end = last.min(run.time[0] + SHOWN_PERIODS * TAU * scaling.time);
     let axis = || Axis::new("time [s]");
     let velocity = || Axis::new("θ̇₂ [rad/s]");
+    let measured = measured_velocity(run);
     let mut windows = Chart::new(axis().range(run.time[0], end), velocity())
         .title("restarted windows, first seconds")
-        .line("measured", &run.time, &run.readings[1], Style::measured());
+        .line("measured", measured.0, measured.1, Style::measured());
     let mut free = Chart::new(axis(), velocity())
         .title("free run from the record's start")
-        .line("measured", &run.time, &run.readings[1], Style::measured());
+        .line("measured", measured.0, measured.1, Style::measured());
     for (label, shown, style) in [
         ("before", &comparison.before, before()),
         ("after", &comparison.after, after()),
@@ -254,15 +294,21 @@ pub fn time_series(comparison: &Comparison) -> Figure {
     Figure::new("").panel(270.0, windows).panel(270.0, free)
 }
 
+/// Times and the disc's velocity as measured; nothing where it was not.
+fn measured_velocity(run: &RawRecord) -> (&[f64], &[f64]) {
+    let velocity = &run.readings[channel::OMEGA];
+    (&run.time[..velocity.len()], velocity)
+}
+
 /// Velocities of all windows of the free run's stretch, with breaks between the windows.
 fn joined(comparison: &Comparison, shown: &Shown) -> (Vec<f64>, Vec<f64>) {
     let (mut time, mut values) = (Vec::new(), Vec::new());
-    for (window, course) in comparison.data.windows.iter().zip(&shown.windows) {
+    for (window, course) in comparison.judging.data.windows.iter().zip(&shown.windows) {
         let Some(course) = course else { continue };
         if window.run != comparison.free_stretch {
             continue;
         }
-        time.extend(&comparison.data.runs[window.run].time[window.first..=window.last]);
+        time.extend(&comparison.judging.records[window.run].time[window.first..=window.last]);
         values.extend(&course.values[1]);
         time.push(f64::NAN);
         values.push(f64::NAN);
@@ -272,10 +318,14 @@ fn joined(comparison: &Comparison, shown: &Shown) -> (Vec<f64>, Vec<f64>) {
 
 /// Phase portrait and friction characteristics on the held-out record; `measured` holds the amended model's residual
 /// torques there.
-pub fn portraits(comparison: &Comparison, measured: &[ResidualTorque]) -> Figure {
-    let run = &comparison.data.runs[comparison.free_stretch];
-    let settled = run.len() / 2;
-    let twist = |channels: &[Vec<f64>; 4]| -> Vec<f64> {
+pub fn portraits(
+    comparison: &Comparison,
+    measured: &[ResidualTorque],
+    scaling: &Scaling,
+) -> Figure {
+    let run = &comparison.judging.records[comparison.free_stretch];
+    let settled = run.time.len() / 2;
+    let twist = |channels: &[Vec<f64>; CHANNELS]| -> Vec<f64> {
         channels[2]
             .iter()
             .zip(&channels[0])
@@ -284,13 +334,11 @@ pub fn portraits(comparison: &Comparison, measured: &[ResidualTorque]) -> Figure
             .collect()
     };
     let mut portrait = Chart::new(Axis::new("θ₃ − θ₂ [rad]"), Axis::new("θ̇₂ [rad/s]"))
-        .title("phase portrait, second half of the free run")
-        .line(
-            "measured",
-            &twist(&run.readings),
-            &run.readings[1][settled..],
-            Style::measured(),
-        );
+        .title("phase portrait, second half of the free run");
+    let shown = twist(&run.readings);
+    if let Some(speed) = run.readings[1].get(settled..).filter(|_| !shown.is_empty()) {
+        portrait = portrait.line("measured", &shown, speed, Style::measured());
+    }
     let mut velocity = Chart::new(Axis::new("θ̇₂ [rad/s]"), Axis::new("T_f [N m]"))
         .title("friction torque over velocity");
     let mut angle = Chart::new(
@@ -314,7 +362,7 @@ pub fn portraits(comparison: &Comparison, measured: &[ResidualTorque]) -> Figure
                 style,
             );
         }
-        let characteristic = characteristic(comparison, shown);
+        let characteristic = characteristic(comparison, shown, scaling);
         let dots = style.wide(0.0);
         velocity = velocity.points(
             label,
@@ -358,30 +406,30 @@ fn measured_friction(residuals: &[ResidualTorque]) -> Characteristic {
 }
 
 /// Friction torque wherever the disc slides in the restarted windows.
-fn characteristic(comparison: &Comparison, shown: &Shown) -> Characteristic {
+fn characteristic(comparison: &Comparison, shown: &Shown, scaling: &Scaling) -> Characteristic {
     let mut found = Characteristic {
         speed: vec![],
         friction: vec![],
         alpha: vec![],
         along: vec![],
     };
-    for (window, course) in comparison.data.windows.iter().zip(&shown.windows) {
+    for (window, course) in comparison.judging.data.windows.iter().zip(&shown.windows) {
         let Some(course) = course else { continue };
         let speed = &course.values[1];
-        let interval = comparison.data.runs[window.run].interval();
+        let time = &comparison.judging.records[window.run].time[window.first..];
         for j in (1..speed.len().saturating_sub(1)).step_by(2) {
-            if speed[j].abs() < 0.05 {
+            if speed[j].abs() < SLOW * scaling.angle.0 {
                 continue;
             }
-            let acceleration = (speed[j + 1] - speed[j - 1]) / (2.0 * interval);
+            let acceleration = (speed[j + 1] - speed[j - 1]) / (time[j + 1] - time[j - 1]);
             let sign = speed[j].signum();
             found.speed.push(speed[j]);
             found.friction.push(course.friction[j]);
             found.alpha.push(acceleration_angle(
                 sign * speed[j],
                 sign * acceleration,
-                ANGLE_SCALES.0,
-                ANGLE_SCALES.1,
+                scaling.angle.0,
+                scaling.angle.1,
             ));
             found.along.push(sign * course.friction[j]);
         }
@@ -390,19 +438,21 @@ fn characteristic(comparison: &Comparison, shown: &Shown) -> Characteristic {
 }
 
 /// Spectra of the disc's velocity.
-pub fn spectra(comparison: &Comparison) -> Figure {
-    let run: &Run = &comparison.data.runs[comparison.free_stretch];
+pub fn spectra(comparison: &Comparison, scaling: &Scaling) -> Figure {
+    let run: &RawRecord = &comparison.judging.records[comparison.free_stretch];
     let mut chart = Chart::new(
-        Axis::new("frequency [Hz]").range(0.0, 6.0),
+        Axis::new("frequency [Hz]").range(0.0, scaling.highest_frequency()),
         Axis::new("amplitude of θ̇₂ [rad/s]"),
     );
+    let samples = run.time.len();
+    let interval = (run.time[samples - 1] - run.time[0]) / (samples - 1) as f64;
     let series = [
         ("measured", &run.readings[1], Style::measured()),
         ("before", &comparison.before.free_run[1], before()),
         ("after", &comparison.after.free_run[1], after()),
     ];
     for (label, values, style) in series {
-        if let Some(spectrum) = Spectrum::new(values, run.interval()) {
+        if let Some(spectrum) = Spectrum::new(values, interval) {
             chart = chart.line(label, &spectrum.frequency, &spectrum.amplitude, style);
         }
     }

@@ -1,5 +1,6 @@
 //! `report.html`: one self-contained page with the answer on top, light, dark and printable.
 
+mod candidates;
 pub(super) mod figures;
 pub(super) mod markup;
 pub(super) mod page;

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use super::candidates::candidates;
+use super::figures::Scaling;
 use super::markup::{capital, escape, figure, table};
 use super::{Report, figures};
 use crate::diagnose::catalogue::{Entry, entry};
@@ -14,12 +16,13 @@ const SCRIPT: &str = include_str!("zoom.js");
 
 pub fn page(report: &Report<'_>) -> String {
     let finding = report.finding;
+    let scaling = &Scaling::of(report.comparison, report.case.model.rig.gearbox.ratio);
     let mut body = String::new();
     for section in [
         head(report),
-        disagreement(report),
-        ranking(finding),
-        before_and_after(report),
+        disagreement(report, scaling),
+        candidates(finding),
+        before_and_after(report, scaling),
         parameters(report),
         floor(finding),
         confusions(finding),
@@ -62,6 +65,7 @@ fn headline(finding: &Finding) -> String {
                 .collect();
             format!("missing: {}", names.join(" or "))
         }
+        VerdictName::Located => "where model and records disagree".to_owned(),
         VerdictName::NotInCatalogue => {
             "something is missing that the catalogue does not have".to_owned()
         }
@@ -147,13 +151,13 @@ fn interval(value: &ParameterValue) -> String {
     })
 }
 
-fn disagreement(report: &Report<'_>) -> String {
+fn disagreement(report: &Report<'_>, scaling: &Scaling) -> String {
     let finding = report.finding;
     let mut text = String::from("<h2>Where model and records disagree</h2>\n");
     text.push_str(&places(
         &finding.structure,
         "No coordinate shows structure beyond what chance gives.",
-        "A free residual torque over one coordinate after the other, judged on windows it was not fitted to; strongest first.",
+        "A free residual torque over one coordinate after the other, entered as one more hypothesis; strongest first.",
     ));
     if !finding.structure_left.is_empty() {
         text.push_str(&places(
@@ -163,9 +167,12 @@ fn disagreement(report: &Report<'_>) -> String {
         ));
     }
     text.push_str(&figure(
-        &figures::residuals(report.residuals_before, report.residuals_after),
-        "The torque that would have to be added for the model to follow the records it learned from, in pieces of 0.05 s \
-         while the disc slides. Dots: single pieces before. Lines: means of bins before and after.",
+        &figures::residuals(report.residuals_before, report.residuals_after, scaling),
+        &format!(
+            "The torque that would have to be added for the model to follow the records it learned from, in pieces of {} s \
+             while the disc slides. Dots: single pieces before. Lines: means of bins before and after.",
+            number(scaling.piece())
+        ),
     ));
     text.push_str(
         "<p class=\"hint\">Plots zoom into a rectangle drawn with the mouse, or about the pointer with Ctrl and the wheel; \
@@ -187,12 +194,6 @@ fn places(all: &[Located], none: &str, some: &str) -> String {
                 readable(&place.coordinate) + &band,
                 place.equation.clone(),
                 number(place.gain),
-                format!(
-                    "{} … {}",
-                    number(place.interval95[0]),
-                    number(place.interval95[1])
-                ),
-                format!("{:.1} σ", place.significance),
             ]
         })
         .collect();
@@ -202,28 +203,12 @@ fn places(all: &[Located], none: &str, some: &str) -> String {
     let columns = [
         ("coordinate", false),
         ("torque on", false),
-        ("gain in ln likelihood", true),
-        ("95 % interval", true),
-        ("significance", true),
+        ("gain in log evidence", true),
     ];
     format!("<p>{}</p>\n{}", escape(some), table(&columns, &rows))
 }
 
-fn ranking(finding: &Finding) -> String {
-    if finding.ranking.is_empty() {
-        return String::new();
-    }
-    format!(
-        "<h2>The candidates</h2>\n{}",
-        figure(
-            &figures::ranking(finding),
-            "Each effect fitted on top of the model together with its nominal parameters, and judged on windows it was not \
-             fitted to. A gain near zero says that chance does as well. Bars show the first round, before any effect was kept.",
-        )
-    )
-}
-
-fn before_and_after(report: &Report<'_>) -> String {
+fn before_and_after(report: &Report<'_>, scaling: &Scaling) -> String {
     let mut text = String::from("<h2>Before and after on the held-out record</h2>\n");
     if let Some(gap) = &report.finding.gap {
         let (native, fmu, free) = (gap.held_out, gap.through_fmu, gap.free_run);
@@ -301,17 +286,22 @@ fn before_and_after(report: &Report<'_>) -> String {
         );
     }
     text.push_str(&figure(
-        &figures::time_series(report.comparison),
+        &figures::time_series(report.comparison, scaling),
         "Velocity of the disc: each window restarted from its own start, and one run from the record's start.",
     ));
     text.push_str(&figure(
-        &figures::portraits(report.comparison, report.residuals_held_out),
-        "Phase portrait, and the friction torque over velocity and over the phase-plane angle α (with 6 rad/s and 45 rad/s² as \
-         its scales): of both models in the restarted windows, and as measured, in pieces of 0.05 s. Torques beside \
-         the contact's, such as an unbalance, are not in it.",
+        &figures::portraits(report.comparison, report.residuals_held_out, scaling),
+        &format!(
+            "Phase portrait, and the friction torque over velocity and over the phase-plane angle α (with {} rad/s and {} rad/s² \
+             as its scales): of both models in the restarted windows, and as measured, in pieces of {} s. Torques beside the \
+             contact's, such as an unbalance, are not in it.",
+            number(scaling.angle.0),
+            number(scaling.angle.1),
+            number(scaling.piece())
+        ),
     ));
     text.push_str(&figure(
-        &figures::spectra(report.comparison),
+        &figures::spectra(report.comparison, scaling),
         "Spectra of the disc's velocity, free run.",
     ));
     text

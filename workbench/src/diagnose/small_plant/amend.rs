@@ -29,6 +29,7 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
             name: tried.entries.iter().map(|entry| entry.name).collect(),
             gain: tried.gain.value,
             interval95: tried.gain.interval95,
+            ..Ranked::default()
         })
         .collect();
     found
@@ -70,6 +71,7 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> Sma
             alternatives,
             experiment: None,
             ranking: Vec::new(),
+            check: None,
             structure: before.into_iter().map(|left| left.located).collect(),
             structure_left: after.into_iter().map(|left| left.located).collect(),
             parameters,
@@ -94,6 +96,7 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> Sma
                     name: kept.entry.name.to_owned(),
                     gain: kept.gain.value,
                     interval95: kept.gain.interval95,
+                    ..Ranked::default()
                 })
                 .collect(),
             steps: Vec::new(),

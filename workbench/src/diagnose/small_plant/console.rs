@@ -29,6 +29,9 @@ pub fn answer(found: &SmallFinding) -> Vec<String> {
                 "No effect is missing: other nominal parameters explain the records.".to_owned(),
             );
         }
+        VerdictName::Located => {
+            lines.push("Where the model is wrong was looked at, not why.".to_owned());
+        }
         VerdictName::Named => added(&mut lines, "Missing"),
         VerdictName::Ambiguous => {
             let names: Vec<String> = finding

@@ -83,7 +83,10 @@ impl SmallFinding {
         match self.finding.verdict {
             VerdictName::NothingMissing => true,
             VerdictName::NotInCatalogue => false,
-            VerdictName::Parameters | VerdictName::Named | VerdictName::Ambiguous => improved,
+            VerdictName::Parameters
+            | VerdictName::Named
+            | VerdictName::Ambiguous
+            | VerdictName::Located => improved,
         }
     }
 }

@@ -112,11 +112,12 @@ fn disagreement(case: &SmallCase, found: &SmallFinding, before: &Model, after: &
         for place in significant {
             let _ = writeln!(
                 text,
-                "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{} … {}</td></tr>",
+                "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
                 escape(&readable(&place.coordinate)),
                 number(place.gain),
-                number(place.interval95[0]),
-                number(place.interval95[1])
+                place.interval95.map_or(String::new(), |[low, high]| {
+                    format!("{} … {}", number(low), number(high))
+                })
             );
         }
         text.push_str("</table>\n");

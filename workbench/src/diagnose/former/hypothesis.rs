@@ -408,7 +408,7 @@ mod tests {
 
     #[test]
     fn only_the_effects_own_numbers_reach_an_end() {
-        let text = include_str!("../../../modelDescription/reduced-rig.toml");
+        let text = include_str!("../../../../modelDescription/reduced-rig.toml");
         let model = ModelFile::parse(text, "rig").unwrap();
         let mut hypothesis = Hypothesis::base(&model);
         hypothesis.free.push(Free::Value {

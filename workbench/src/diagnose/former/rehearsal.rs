@@ -134,10 +134,10 @@ mod tests {
 
     use stickslip::plant::ModelFile;
 
-    use crate::diagnose::hypothesis::Hypothesis;
-    use crate::diagnose::robust::Robust;
+    use crate::diagnose::former::hypothesis::Hypothesis;
+    use crate::diagnose::former::robust::Robust;
+    use crate::diagnose::former::window::{Begin, Cut};
     use crate::diagnose::sensors::Sensors;
-    use crate::diagnose::window::{Begin, Cut};
 
     /// A rig that turns from rest under constant inputs, with friction that fluctuates by this share.
     fn turning(relative: f64) -> (Data, Fit) {
@@ -153,7 +153,11 @@ mod tests {
             readings: std::array::from_fn(|_| vec![0.0; 1200]),
         };
         let cut = Cut::of(&model.rig, Begin::Clear);
-        let data = Data::new(Arc::new(vec![run]), cut, Sensors::default().deviations());
+        let data = Data::new(Arc::new(vec![run]), cut, {
+            let none = inference::record::Instruments::default();
+            let [a, b, c, d, _] = Sensors::dissertation().completed(&none).deviations();
+            [a, b, c, d]
+        });
         let hypothesis = Hypothesis::base(&model);
         let mut fitted = fit(&data, hypothesis, data.anchors(), 0, Robust::JUDGING);
         fitted.disturbance = Disturbance {

@@ -3,8 +3,8 @@
 use std::convert::Infallible;
 
 use super::{Entry, Form};
-use crate::diagnose::hypothesis::{Free, Hypothesis};
-use crate::diagnose::law_starts;
+use crate::diagnose::former::hypothesis::{Free, Hypothesis};
+use crate::diagnose::former::law_starts;
 
 /// Smallest size worth naming, relative to a full effect.
 const LEAST_SIZE: f64 = 0.03;

@@ -1,7 +1,6 @@
 //! A measured record, ready for comparison with a model.
 
-use super::load_cell::denoise;
-use super::sensors::Sensors;
+use inference::record::RawRecord;
 
 /// Motion channels in the order θ2, ω2, θ3, ω3.
 pub const CHANNELS: usize = 4;
@@ -22,32 +21,19 @@ pub struct Run {
 }
 
 impl Run {
-    /// A record from its columns.
-    pub fn new(
-        name: String,
-        time: Vec<f64>,
-        voltage: Vec<f64>,
-        load_cell: &[f64],
-        motion: [&[f64]; CHANNELS],
-        sensors: &Sensors,
-    ) -> Self {
-        let half_steps = [
-            0.5 * sensors.disc_encoder_step,
-            0.0,
-            0.5 * sensors.gear_encoder_step,
-            0.0,
-        ];
-        let mut readings: [Vec<f64>; CHANNELS] = Default::default();
-        for (c, channel) in motion.iter().enumerate() {
-            readings[c] = channel.iter().map(|x| x + half_steps[c]).collect();
-        }
-        let normal_force = denoise(load_cell, sensors.load_cell_noise);
+    /// A record of the engine of any rig, whose instruments round down by these steps.
+    pub fn of(record: &RawRecord, steps: &[f64]) -> Self {
         Self {
-            name,
-            time,
-            voltage,
-            normal_force,
-            readings,
+            name: record.name.clone(),
+            time: record.time.clone(),
+            voltage: record.voltage.clone(),
+            normal_force: record.normal_force.clone(),
+            readings: std::array::from_fn(|c| {
+                record.readings[c]
+                    .iter()
+                    .map(|x| x + 0.5 * steps[c])
+                    .collect()
+            }),
         }
     }
 

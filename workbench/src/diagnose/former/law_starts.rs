@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn no_start_and_no_step_breaks_away_below_sliding() {
-        let text = include_str!("../../../modelDescription/reduced-rig.toml");
+        let text = include_str!("../../../../modelDescription/reduced-rig.toml");
         let mut model = ModelFile::parse(text, "rig").unwrap();
         model.rig.law = Law::Coulomb(Coulomb { mu_c: 0.13 });
         let base = Hypothesis::base(&model);

@@ -30,7 +30,7 @@ mod tests {
 
     #[test]
     fn a_disc_on_its_bristles_rests_from_the_start() {
-        let mut text = include_str!("../../../modelDescription/reduced-rig.toml").to_owned();
+        let mut text = include_str!("../../../../modelDescription/reduced-rig.toml").to_owned();
         text.push_str("\n[presliding]\nstiffness = 80.0\ndamping = 0.5\n");
         let rig = ModelFile::parse(&text, "rig").unwrap().rig;
         let mut state: RigState<f64> = [0.0; STATES];

@@ -1,0 +1,23 @@
+//! Where the bristles of a pin that sticks stand at the start of a window: presliding.
+//!
+//! Nobody measures their deflection. A disc that sticks rests, or nearly: the bristles carry the shaft's torque. What a
+//! window's start holds for them is how much further they are deflected, so that it is about zero in every model.
+
+use stickslip::plant::{Rig, RigState, index};
+use stickslip::series::Scalar;
+
+/// Turns what a start holds for the bristles into their deflection. None are deflected in a rig without bristles or
+/// where the disc slides.
+pub fn deflect_bristles<S: Scalar>(rig: &Rig<S>, state: &mut RigState<S>) {
+    let further = state[index::BRISTLE];
+    let sticks = state[index::OMEGA].value() == 0.0;
+    state[index::BRISTLE] = match &rig.effects.presliding {
+        Some(presliding) if sticks => {
+            let twist = state[index::THETA] - state[index::THETA3];
+            let slip = state[index::OMEGA] - state[index::OMEGA3];
+            let pull = rig.shaft.stiffness * twist + rig.shaft.damping * slip;
+            further - pull / presliding.stiffness
+        }
+        _ => S::ZERO,
+    };
+}

@@ -1,0 +1,158 @@
+//! Records cut into windows, and what a hypothesis makes of each.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use stickslip::plant::{Rig, RigState};
+
+use crate::gram::{FIRST_FREE, Gram, window_gram};
+use crate::hypothesis::Hypothesis;
+use crate::marginal::{Disturbance, Reduced, reduce};
+use crate::record::{CHANNELS, Run};
+use crate::scales::Scales;
+use crate::window::{Begin, Cut, START_COMPONENTS, STARTS, Window};
+
+/// Derivative slots for hypotheses of ordinary size.
+const FEW_SLOTS: usize = 21;
+/// Derivative slots for the largest hypotheses.
+const MANY_SLOTS: usize = 33;
+/// Most free numbers that a hypothesis may have.
+pub const MOST_FREE: usize = MANY_SLOTS - FIRST_FREE;
+/// Windows in a row that share a fold: what half of the blocks teach is judged on the other half.
+const BLOCK: usize = 4;
+
+/// The records and windows that fits work on.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// Records.
+    pub runs: Arc<Vec<Run>>,
+    /// Windows of all records.
+    pub windows: Vec<Window>,
+    /// Standard deviations of the channels.
+    pub deviations: [f64; CHANNELS],
+    /// Sizes of the records.
+    pub scales: Scales,
+}
+
+impl Data {
+    /// Records of `rig` cut into windows of `length`.
+    #[must_use]
+    pub fn new(
+        runs: Arc<Vec<Run>>,
+        rig: &Rig<f64>,
+        scales: Scales,
+        deviations: [f64; CHANNELS],
+        length: f64,
+        begin: Begin,
+    ) -> Self {
+        let cut = Cut::of(rig, &scales, length, begin);
+        let windows = runs
+            .iter()
+            .enumerate()
+            .flat_map(|(index, run)| cut.windows(index, run))
+            .collect();
+        Self {
+            runs,
+            windows,
+            deviations,
+            scales,
+        }
+    }
+
+    /// The starts of the windows as measured.
+    #[must_use]
+    pub fn anchors(&self) -> Vec<RigState<f64>> {
+        self.windows.iter().map(|window| window.anchor).collect()
+    }
+
+    /// The same records with only the windows of these numbers.
+    #[must_use]
+    pub fn part(&self, kept: &[usize]) -> Self {
+        Self {
+            runs: Arc::clone(&self.runs),
+            windows: kept.iter().map(|&j| self.windows[j].clone()).collect(),
+            ..*self
+        }
+    }
+
+    /// Folds of the windows: blocks in turn, and runs begin with each in turn, since what shows only where runs begin must
+    /// teach both halves.
+    #[must_use]
+    pub fn folds(&self) -> Vec<usize> {
+        let mut folds = Vec::new();
+        let (mut present, mut first) = (None, 0);
+        for (j, window) in self.windows.iter().enumerate() {
+            if present != Some(window.run) {
+                (present, first) = (Some(window.run), j);
+            }
+            folds.push(((j - first) / BLOCK + window.run) % 2);
+        }
+        folds
+    }
+}
+
+fn offset(start: &RigState<f64>, window: &Window) -> [f64; STARTS] {
+    std::array::from_fn(|j| start[START_COMPONENTS[j]] - window.anchor[START_COMPONENTS[j]])
+}
+
+/// Gram matrices of all windows under a hypothesis; `None` where the model cannot run.
+#[must_use]
+pub fn grams(data: &Data, hypothesis: &Hypothesis, starts: &[RigState<f64>]) -> Vec<Option<Gram>> {
+    if hypothesis.dimension() + FIRST_FREE <= FEW_SLOTS {
+        grams_with_slots::<FEW_SLOTS>(data, hypothesis, starts)
+    } else {
+        grams_with_slots::<MANY_SLOTS>(data, hypothesis, starts)
+    }
+}
+
+fn grams_with_slots<const N: usize>(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    starts: &[RigState<f64>],
+) -> Vec<Option<Gram>> {
+    let Ok(rig) = hypothesis.rig_with_slots::<N>(FIRST_FREE) else {
+        return vec![None; data.windows.len()];
+    };
+    let free = hypothesis.dimension();
+    data.windows
+        .par_iter()
+        .zip(starts)
+        .map_init(
+            || None,
+            |last, (window, start)| {
+                let run = &data.runs[window.run];
+                let scales = &data.scales;
+                window_gram(
+                    free,
+                    &rig,
+                    run,
+                    scales,
+                    window,
+                    start,
+                    &data.deviations,
+                    last,
+                )
+                .ok()
+            },
+        )
+        .collect()
+}
+
+/// Windows with their nuisances integrated out.
+#[must_use]
+pub fn reduced(
+    data: &Data,
+    starts: &[RigState<f64>],
+    grams: &[Option<Gram>],
+    disturbance: &Disturbance,
+) -> Vec<Option<Reduced>> {
+    grams
+        .par_iter()
+        .zip(starts)
+        .zip(&data.windows)
+        .map(|((gram, start), window)| {
+            gram.as_ref()
+                .and_then(|g| reduce(g, &offset(start, window), &window.deviations, disturbance))
+        })
+        .collect()
+}

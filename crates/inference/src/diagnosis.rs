@@ -1,0 +1,226 @@
+//! From the sets that were searched to an answer: a table of three numbers, the posterior, the check and what moved.
+
+use crate::check::{Check, check};
+use crate::fit::Fit;
+use crate::hypothesis::Estimate;
+use crate::policy::{MOVED, NAMED};
+use crate::problem::Problem;
+use crate::search::{Candidate, search};
+use crate::structure::{Structure, structures};
+
+/// What a diagnosis comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The model explains the records.
+    NothingMissing,
+    /// Other nominal parameters explain the records; no effect is missing.
+    Parameters,
+    /// The effects named are missing.
+    Named,
+    /// One of several sets of effects is missing; these records cannot tell which.
+    Ambiguous,
+    /// Something is missing that no effect of the catalogue explains.
+    NotInCatalogue,
+}
+
+/// A set of effects beside the best one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rival {
+    /// The effects; empty for the analyst's model.
+    pub effects: Vec<&'static str>,
+    /// Posterior probability of the set, 0 … 1.
+    pub probability: f64,
+    /// Log odds of the set against the best one.
+    pub score: f64,
+    /// Gain of the best set over this one in ln likelihood on windows that were not fitted to.
+    pub margin: f64,
+    /// Standard error of that gain, from the scatter of blocks of windows.
+    pub margin_error: f64,
+    /// Gain of this set over the analyst's refitted model in ln likelihood on windows that were not fitted to.
+    pub gain: f64,
+    /// Standard error of that gain.
+    pub gain_error: f64,
+    /// Numbers whose best value is the end of their range, by dotted name.
+    pub at_an_end: Vec<String>,
+    /// Whether its fit converged.
+    pub is_converged: bool,
+}
+
+/// All that was found, in the plant's units ([`Problem::units`]).
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// What it comes to.
+    pub verdict: Verdict,
+    /// The effects of the best set, whatever the verdict; empty where none is better than the analyst's model.
+    pub effects: Vec<&'static str>,
+    /// Posterior probability of that set, 0 … 1.
+    pub probability: f64,
+    /// All sets that were fitted, the best first.
+    pub ranking: Vec<Rival>,
+    /// The analyst's model with its parameters refitted.
+    pub base: Fit,
+    /// The best set's fit.
+    pub best: Fit,
+    /// Values and deviations of all that is free in the best set.
+    pub estimates: Vec<Estimate>,
+    /// Values and deviations of the analyst's refitted parameters.
+    pub base_estimates: Vec<Estimate>,
+    /// Where the analyst's model leaves structure, strongest first.
+    pub structure: Vec<Structure>,
+    /// Where the best set does, strongest first.
+    pub structure_left: Vec<Structure>,
+    /// Whether the best set explains the records.
+    pub check: Check,
+}
+
+impl Diagnosis {
+    /// Probability that this effect is missing, whatever else is missing beside it.
+    #[must_use]
+    pub fn probability_of(&self, effect: &str) -> f64 {
+        probability_of(&self.ranking, effect)
+    }
+
+    /// The fit that the amended model is made of: the best set where it is named, else the analyst's refitted model.
+    #[must_use]
+    pub fn amended(&self) -> (&Fit, &[Estimate]) {
+        match self.verdict {
+            Verdict::Named | Verdict::Ambiguous => (&self.best, &self.estimates),
+            _ => (&self.base, &self.base_estimates),
+        }
+    }
+}
+
+/// Finds what is missing; `progress` hears of what is being fitted.
+#[must_use]
+pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis {
+    let found = search(problem, progress);
+    progress("what is left");
+    let data = &problem.long;
+    let best = &found.candidates[0];
+    let structure = structures(data, &found.base.fit);
+    let structure_left = if best.effects.is_empty() {
+        structure.clone()
+    } else {
+        structures(data, &best.fit)
+    };
+    let check = check(problem, &best.fit, &structure_left);
+    let ranking = ranking(problem, &found.candidates, &found.base);
+    let probability = ranking.first().map_or(0.0, |rival| rival.probability);
+    let sure = best
+        .effects
+        .iter()
+        .all(|name| probability_of(&ranking, name) >= NAMED);
+    let verdict = if !check.is_passed() {
+        Verdict::NotInCatalogue
+    } else if best.effects.is_empty() {
+        if moved(&found.base.fit) {
+            Verdict::Parameters
+        } else {
+            Verdict::NothingMissing
+        }
+    } else if sure {
+        Verdict::Named
+    } else {
+        Verdict::Ambiguous
+    };
+    Diagnosis {
+        verdict,
+        effects: best.effects.clone(),
+        probability,
+        ranking,
+        base_estimates: found.base.fit.estimates(data),
+        estimates: best.fit.estimates(data),
+        base: found.base.fit.clone(),
+        best: best.fit.clone(),
+        structure,
+        structure_left,
+        check,
+    }
+}
+
+fn probability_of(ranking: &[Rival], effect: &str) -> f64 {
+    ranking
+        .iter()
+        .filter(|rival| rival.effects.contains(&effect))
+        .map(|rival| rival.probability)
+        .sum()
+}
+
+/// Whether any nominal parameter is further off than what is known of it allows to overlook.
+fn moved(fit: &Fit) -> bool {
+    fit.hypothesis
+        .prior_precisions()
+        .iter()
+        .zip(&fit.hypothesis.x)
+        .any(|(p, x)| x * x * p > MOVED * MOVED)
+}
+
+fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec<Rival> {
+    let data = &problem.long;
+    let losses = |candidate: &Candidate| candidate.fit.held_out_losses(data);
+    let (best, nothing) = (losses(&candidates[0]), losses(base));
+    let scored: Vec<(f64, Vec<Option<f64>>)> = candidates
+        .iter()
+        .map(|candidate| {
+            let own = losses(candidate);
+            let score = if candidate.effects.len() > candidates[0].effects.len() {
+                candidate.lead(&candidates[0])
+            } else {
+                -candidates[0].lead(candidate)
+            };
+            (score, own)
+        })
+        .collect();
+    let all: f64 = scored.iter().map(|(score, _)| score.exp()).sum();
+    let mut ranking: Vec<Rival> = candidates
+        .iter()
+        .zip(scored)
+        .map(|(candidate, (score, own))| {
+            let (margin, margin_error) = gain(&own, &best);
+            let (gain, gain_error) = gain(&nothing, &own);
+            Rival {
+                effects: candidate.effects.clone(),
+                probability: score.exp() / all,
+                score,
+                margin,
+                margin_error,
+                gain,
+                gain_error,
+                at_an_end: candidate
+                    .fit
+                    .hypothesis
+                    .at_an_end()
+                    .into_iter()
+                    .map(str::to_owned)
+                    .collect(),
+                is_converged: candidate.fit.is_converged,
+            }
+        })
+        .collect();
+    ranking[1..].sort_by(|a, b| b.score.total_cmp(&a.score));
+    ranking
+}
+
+/// Windows in a row of which one difference is made.
+const BLOCK: usize = 4;
+
+/// What `better` gains over `worse` in ln likelihood, with its standard error from the scatter of blocks of windows.
+pub(crate) fn gain(worse: &[Option<f64>], better: &[Option<f64>]) -> (f64, f64) {
+    let differences: Vec<f64> = worse
+        .iter()
+        .zip(better)
+        .map(|(worse, better)| match (worse, better) {
+            (Some(worse), Some(better)) => 0.5 * (worse - better),
+            _ => 0.0,
+        })
+        .collect();
+    let blocks: Vec<f64> = differences
+        .chunks(BLOCK)
+        .map(|block| block.iter().sum())
+        .collect();
+    let count = blocks.len() as f64;
+    let total: f64 = blocks.iter().sum();
+    let mean = total / count;
+    let variance = blocks.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+    (total, (count * variance).sqrt())
+}

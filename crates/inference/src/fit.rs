@@ -1,0 +1,420 @@
+//! Fitting a hypothesis to many windows: damped Gauss–Newton steps with exact derivatives.
+
+use crate::data::{Data, grams, reduced};
+use crate::evidence::Told;
+use crate::gram::Gram;
+use crate::hypothesis::{Estimate, Hypothesis};
+use crate::loss;
+use crate::marginal::{Disturbance, Reduced};
+use nalgebra::{Cholesky, DMatrix, DVector};
+use stickslip::plant::RigState;
+
+/// Decrease of −2 ln likelihood below which a step gains nothing.
+const CONVERGED: f64 = 0.05;
+/// The same relative to the loss, where a model that misses something goes on gaining a little.
+const RELATIVELY: f64 = 1e-5;
+/// Loss that a window may gain in a step before other starts are tried for it.
+const SUSPECT: f64 = 6.0;
+/// Standard deviations of fluctuating friction, relative to it, among which a fit chooses.
+const FLUCTUATIONS: [f64; 8] = [0.0, 0.004, 0.008, 0.016, 0.03, 0.05, 0.08, 0.15];
+
+/// A fitted hypothesis.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The hypothesis at its best values.
+    pub hypothesis: Hypothesis,
+    /// Start of each window.
+    pub starts: Vec<RigState<f64>>,
+    /// Gram matrix of each window at the best values; `None` where the model cannot run.
+    pub grams: Vec<Option<Gram>>,
+    /// Fluctuation of the friction that goes with the fit.
+    pub disturbance: Disturbance,
+    /// −2 ln likelihood plus prior.
+    pub loss: f64,
+    /// Whether the last step gained nothing more.
+    pub is_converged: bool,
+}
+
+/// What a fit is at while it goes on.
+struct State<'a> {
+    data: &'a Data,
+    fit: Fit,
+    forms: Vec<Option<Reduced>>,
+    damping: f64,
+}
+
+impl Fit {
+    /// `hypothesis` at its present values, from these starts of the windows.
+    #[must_use]
+    pub fn at(
+        data: &Data,
+        hypothesis: Hypothesis,
+        starts: Vec<RigState<f64>>,
+        disturbance: Disturbance,
+    ) -> Self {
+        let mut hypothesis = hypothesis;
+        hypothesis.clamp();
+        let grams = grams(data, &hypothesis, &starts);
+        let forms = reduced(data, &starts, &grams, &disturbance);
+        Self {
+            loss: loss::total(&forms, &hypothesis),
+            hypothesis,
+            starts,
+            grams,
+            disturbance,
+            is_converged: false,
+        }
+    }
+
+    /// The fit after at most `steps` further steps.
+    #[must_use]
+    pub fn improved(self, data: &Data, steps: usize) -> Self {
+        self.stepped(data, steps, true)
+    }
+
+    /// The same where friction does not fluctuate.
+    #[must_use]
+    pub fn improved_calmly(self, data: &Data, steps: usize) -> Self {
+        self.stepped(data, steps, false)
+    }
+
+    fn stepped(self, data: &Data, steps: usize, fluctuates: bool) -> Self {
+        let forms = self.reduced(data);
+        let mut state = State {
+            data,
+            fit: self,
+            forms,
+            damping: 1e-4,
+        };
+        let anchors = data.anchors();
+        let mut quiet = 0;
+        for _ in 0..steps {
+            let before = state.fit.loss;
+            let Some(trial) = state.trial(&anchors) else {
+                break;
+            };
+            let gained = before - trial.0.loss;
+            let settled = gained.abs() < CONVERGED + RELATIVELY * before.abs();
+            if gained > 0.0 {
+                (state.fit, state.forms) = trial;
+                state.damping = (state.damping * 0.1).max(1e-9);
+                if fluctuates {
+                    state.adapt();
+                }
+            } else {
+                state.damping *= 30.0;
+            }
+            quiet = if settled { quiet + 1 } else { 0 };
+            if quiet >= 2 || settled && gained <= 0.0 || state.damping > 1e8 {
+                state.fit.is_converged = true;
+                break;
+            }
+        }
+        state.fit
+    }
+
+    /// The same fit with the fluctuation of friction that explains the windows best.
+    #[must_use]
+    pub fn with_best_fluctuation(mut self, data: &Data) -> Self {
+        let forms = self.reduced(data);
+        let mut state = State {
+            data,
+            fit: self,
+            forms,
+            damping: 1e-4,
+        };
+        state.adapt();
+        self = state.fit;
+        self
+    }
+
+    /// The same numbers and starts where friction does not fluctuate.
+    #[must_use]
+    pub fn calm(&self, data: &Data) -> Self {
+        let mut calm = self.clone();
+        calm.disturbance = Disturbance::NONE;
+        calm.loss = loss::total(&calm.reduced(data), &calm.hypothesis);
+        calm
+    }
+
+    /// The loss that the quadratic forms promise after one more step.
+    #[must_use]
+    pub fn promised_loss(&self, data: &Data) -> f64 {
+        let forms = self.reduced(data);
+        let (curvature, gradient) = self.normal_equations(&forms);
+        match Cholesky::new(curvature) {
+            Some(cholesky) => self.loss - gradient.dot(&cholesky.solve(&gradient)),
+            None => self.loss,
+        }
+    }
+
+    /// Windows with the nuisances integrated out, at the best values.
+    #[must_use]
+    pub fn reduced(&self, data: &Data) -> Vec<Option<Reduced>> {
+        reduced(data, &self.starts, &self.grams, &self.disturbance)
+    }
+
+    fn normal_equations(&self, forms: &[Option<Reduced>]) -> (DMatrix<f64>, DVector<f64>) {
+        loss::normal_equations(
+            forms.iter().flatten(),
+            &self.hypothesis.prior_precisions(),
+            &self.hypothesis.x,
+        )
+    }
+
+    /// Log evidence of the hypothesis by Laplace's approximation, window by window.
+    #[must_use]
+    pub fn told(&self, data: &Data) -> Told {
+        let forms = self.reduced(data);
+        let (curvature, _) = self.normal_equations(&forms);
+        let precisions = self.hypothesis.prior_precisions();
+        let prior: f64 = precisions
+            .iter()
+            .zip(&self.hypothesis.x)
+            .map(|(p, x)| p.ln() - p * x * x)
+            .sum();
+        let volume = Cholesky::new(curvature).map_or(f64::INFINITY, |cholesky| {
+            2.0 * cholesky
+                .l_dirty()
+                .diagonal()
+                .iter()
+                .map(|d| d.ln())
+                .sum::<f64>()
+        });
+        Told {
+            windows: forms
+                .iter()
+                .map(|form| -0.5 * loss::of_window(form))
+                .collect(),
+            numbers: 0.5 * (prior - volume),
+        }
+    }
+
+    /// Log evidence of the hypothesis.
+    #[must_use]
+    pub fn evidence(&self, data: &Data) -> f64 {
+        self.told(data).total()
+    }
+
+    /// Whether friction would fluctuate as much as can be told or more: then it stands in for what the model lacks.
+    #[must_use]
+    pub fn fluctuates_most(&self) -> bool {
+        FLUCTUATIONS
+            .last()
+            .is_some_and(|most| self.disturbance.relative >= *most)
+    }
+
+    /// Squared residuals over their number: about 1 where nothing but the instruments' noise is left.
+    #[must_use]
+    pub fn misfit(&self, data: &Data) -> f64 {
+        let forms = self.reduced(data);
+        let square: f64 = forms.iter().flatten().map(|r| r.square).sum();
+        let residuals: usize = forms.iter().flatten().map(|r| r.residuals).sum();
+        square / residuals.max(1) as f64
+    }
+
+    /// Squared residuals over their number in the window in the middle of all: the start of a few may not have been found.
+    #[must_use]
+    pub fn typical_misfit(&self, data: &Data) -> f64 {
+        let mut windows: Vec<f64> = self
+            .reduced(data)
+            .iter()
+            .flatten()
+            .map(|form| form.square / form.residuals.max(1) as f64)
+            .collect();
+        windows.sort_by(f64::total_cmp);
+        windows
+            .get(windows.len() / 2)
+            .copied()
+            .unwrap_or(f64::INFINITY)
+    }
+
+    /// Loss of each window, judged by what the windows of the other folds teach about the free numbers.
+    #[must_use]
+    pub fn held_out_losses(&self, data: &Data) -> Vec<Option<f64>> {
+        loss::held_out(
+            &self.reduced(data),
+            &self.hypothesis.prior_precisions(),
+            &self.hypothesis.x,
+            &data.folds(),
+        )
+    }
+
+    /// The same as log likelihoods; windows that nothing foretells are left out of every comparison.
+    #[must_use]
+    pub fn foretold(&self, data: &Data) -> Told {
+        Told {
+            windows: self
+                .held_out_losses(data)
+                .into_iter()
+                .map(|loss| loss.map_or(f64::NAN, |loss| -0.5 * loss))
+                .collect(),
+            numbers: 0.0,
+        }
+    }
+
+    /// Values and standard deviations of all that is free.
+    #[must_use]
+    pub fn estimates(&self, data: &Data) -> Vec<Estimate> {
+        let forms = self.reduced(data);
+        let (curvature, _) = self.normal_equations(&forms);
+        let covariance = Cholesky::new(curvature).map(|c| c.inverse());
+        self.hypothesis
+            .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]))
+    }
+}
+
+impl State<'_> {
+    /// Chooses the fluctuation of friction anew.
+    fn adapt(&mut self) {
+        let mut best = (self.fit.loss, self.fit.disturbance);
+        let mut found = None;
+        for relative in FLUCTUATIONS {
+            let disturbance = Disturbance {
+                relative,
+                ..self.fit.disturbance
+            };
+            if disturbance == self.fit.disturbance {
+                continue;
+            }
+            let forms = reduced(self.data, &self.fit.starts, &self.fit.grams, &disturbance);
+            let loss = loss::total(&forms, &self.fit.hypothesis);
+            if loss < best.0 {
+                best = (loss, disturbance);
+                found = Some(forms);
+            }
+        }
+        if let Some(forms) = found {
+            (self.fit.loss, self.fit.disturbance) = best;
+            self.forms = forms;
+        }
+    }
+
+    /// One damped step.
+    fn trial(&self, anchors: &[RigState<f64>]) -> Option<(Fit, Vec<Option<Reduced>>)> {
+        let (fit, data) = (&self.fit, self.data);
+        let (mut curvature, gradient) = fit.normal_equations(&self.forms);
+        for j in 0..curvature.nrows() {
+            curvature[(j, j)] *= 1.0 + self.damping;
+        }
+        let step = bounded_step(&fit.hypothesis, &curvature, &gradient)?;
+        let mut hypothesis = fit.hypothesis.clone();
+        for (x, d) in hypothesis.x.iter_mut().zip(step.iter()) {
+            *x += d;
+        }
+        hypothesis.clamp();
+        let taken = DVector::from_iterator(
+            step.len(),
+            hypothesis
+                .x
+                .iter()
+                .zip(&fit.hypothesis.x)
+                .map(|(a, b)| a - b),
+        );
+        let starts: Vec<RigState<f64>> = fit
+            .starts
+            .iter()
+            .zip(&self.forms)
+            .zip(&data.windows)
+            .map(|((start, form), window)| match form {
+                Some(form) => window.moved(start, &form.start_change(&taken)),
+                None => *start,
+            })
+            .collect();
+        let grams = grams(data, &hypothesis, &starts);
+        let mut forms = reduced(data, &starts, &grams, &fit.disturbance);
+        let mut trial = Fit {
+            hypothesis,
+            starts,
+            grams,
+            ..fit.clone_without_windows()
+        };
+        for fallback in [&fit.starts[..], anchors] {
+            rescue(data, &self.forms, fallback, &mut trial, &mut forms);
+        }
+        trial.loss = loss::total(&forms, &trial.hypothesis);
+        Some((trial, forms))
+    }
+}
+
+impl Fit {
+    fn clone_without_windows(&self) -> Self {
+        Self {
+            hypothesis: self.hypothesis.clone(),
+            starts: Vec::new(),
+            grams: Vec::new(),
+            ..*self
+        }
+    }
+}
+
+/// Tries the starts of `fallback` for windows that a step has made worse: where the disc is about to break away, the motion
+/// depends on the start in a way that a linear step can overshoot.
+pub(crate) fn rescue(
+    data: &Data,
+    before: &[Option<Reduced>],
+    fallback: &[RigState<f64>],
+    fit: &mut Fit,
+    forms: &mut [Option<Reduced>],
+) {
+    let worse: Vec<usize> = (0..forms.len())
+        .filter(|&j| {
+            loss::of_window(&forms[j]) > loss::of_window(&before[j]) + SUSPECT
+                && fit.starts[j] != fallback[j]
+        })
+        .collect();
+    if worse.is_empty() {
+        return;
+    }
+    let part = data.part(&worse);
+    let part_starts: Vec<RigState<f64>> = worse.iter().map(|&j| fallback[j]).collect();
+    let part_grams = grams(&part, &fit.hypothesis, &part_starts);
+    let part_forms = reduced(&part, &part_starts, &part_grams, &fit.disturbance);
+    for (((j, start), gram), form) in worse
+        .into_iter()
+        .zip(part_starts)
+        .zip(part_grams)
+        .zip(part_forms)
+    {
+        if loss::of_window(&form) < loss::of_window(&forms[j]) {
+            (fit.starts[j], fit.grams[j], forms[j]) = (start, gram, form);
+        }
+    }
+}
+
+/// The step that the quadratic forms suggest within what a step may change ([`Hypothesis::step_ranges`]): numbers that would
+/// leave it stop at its end, and the others move as is best then.
+fn bounded_step(
+    hypothesis: &Hypothesis,
+    curvature: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+) -> Option<DVector<f64>> {
+    let ranges = hypothesis.step_ranges();
+    let mut step = DVector::zeros(gradient.len());
+    let mut open: Vec<usize> = (0..gradient.len()).collect();
+    while !open.is_empty() {
+        let n = open.len();
+        let own = DMatrix::from_fn(n, n, |i, j| curvature[(open[i], open[j])]);
+        let pull = DVector::from_fn(n, |i, _| {
+            let held: f64 = (0..step.len())
+                .filter(|j| !open.contains(j))
+                .map(|j| curvature[(open[i], j)] * step[j])
+                .sum();
+            gradient[open[i]] - held
+        });
+        let solved = Cholesky::new(own)?.solve(&pull);
+        let mut still_open = Vec::with_capacity(n);
+        for (&at, &wanted) in open.iter().zip(&solved) {
+            let (low, high) = ranges[at];
+            step[at] = wanted.clamp(low, high);
+            if step[at] == wanted {
+                still_open.push(at);
+            }
+        }
+        if still_open.len() == n {
+            break;
+        }
+        open = still_open;
+    }
+    Some(step)
+}

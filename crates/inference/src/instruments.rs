@@ -1,0 +1,476 @@
+//! Steps and noise of the instruments, estimated from the records themselves.
+//!
+//! A step shows in the differences between readings: all are multiples of it. Noise shows in differences of high order, in
+//! which smooth motion vanishes. Nothing here knows a unit: a channel times any factor has its step and noise times that factor.
+
+use crate::record::{CHANNELS, Instruments, RawRecord};
+use std::fmt;
+
+/// Orders of the differences that noise is taken from. At 30 samples per period or more, motion shrinks by at least
+/// 2 π/30 ≈ 0.2 with each order, while a kink (sticking, breakaway, a jump of the voltage) spreads over one difference more.
+/// What is left of the motion mostly adds, so the order with the smallest result is nearest the truth. Order 1 would add
+/// nothing: it keeps every slope.
+const ORDERS: std::ops::RangeInclusive<usize> = 2..=8;
+
+/// Readings nearer than this share of the channel's largest reading are equal: numerical tolerance, far above the rounding
+/// of 64-bit numbers (1e-16) and far below any instrument's resolution.
+const SAME: f64 = 1e-11;
+
+/// Factor between stated and estimated deviation from which they contradict one another. The estimate errs by some per cent,
+/// and data sheets round and state bounds; half as much again is neither.
+const CONTRADICTION: f64 = 1.5;
+
+/// Steps and noise of the instruments as the records themselves tell them, SI units; 0 where a channel was not measured or
+/// never moved.
+#[must_use]
+pub fn estimate(records: &[RawRecord]) -> Instruments {
+    let mut instruments = Instruments {
+        step: [0.0; CHANNELS],
+        noise: [0.0; CHANNELS],
+    };
+    for channel in 0..CHANNELS {
+        let readings: Vec<&[f64]> = records
+            .iter()
+            .map(|record| record.readings[channel].as_slice())
+            .collect();
+        (instruments.step[channel], instruments.noise[channel]) = step_and_noise(&readings);
+    }
+    instruments
+}
+
+/// Standard deviation of the load cell's noise [N], its rounding included, from raw readings; 0 when they are constant.
+#[must_use]
+pub fn load_noise(readings: &[&[f64]]) -> f64 {
+    let (step, noise) = step_and_noise(readings);
+    deviation(step, noise)
+}
+
+/// An instrument whose records contradict what was stated about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contradiction {
+    /// Position of the channel.
+    pub channel: usize,
+    /// Standard deviation as stated, in the channel's unit.
+    pub stated: f64,
+    /// Standard deviation as the records tell it, in the channel's unit.
+    pub estimated: f64,
+}
+
+impl fmt::Display for Contradiction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const NAMES: [(&str, &str); CHANNELS] = [
+            ("angle of the disc", "rad"),
+            ("angular velocity of the disc", "rad/s"),
+            ("angle of the gearbox output", "rad"),
+            ("angular velocity of the gearbox output", "rad/s"),
+            ("armature current", "A"),
+        ];
+        let (name, unit) = NAMES.get(self.channel).unwrap_or(&("channel", ""));
+        write!(
+            f,
+            "the {name} was stated to err by {:.3e} {unit} (one standard deviation), but its records show {:.3e} {unit}",
+            self.stated, self.estimated
+        )?;
+        if self.stated > 0.0 {
+            write!(f, ", {:.2} times as much", self.estimated / self.stated)?;
+        }
+        Ok(())
+    }
+}
+
+/// Where the estimate contradicts what was stated (both in SI units). A channel of which the records tell nothing contradicts
+/// nothing.
+#[must_use]
+pub fn contradictions(stated: &Instruments, estimated: &Instruments) -> Vec<Contradiction> {
+    let (said, seen) = (stated.deviations(), estimated.deviations());
+    (0..CHANNELS)
+        .filter(|&c| {
+            seen[c] > 0.0
+                && (seen[c] > CONTRADICTION * said[c] || said[c] > CONTRADICTION * seen[c])
+        })
+        .map(|channel| Contradiction {
+            channel,
+            stated: said[channel],
+            estimated: seen[channel],
+        })
+        .collect()
+}
+
+/// Standard deviation of readings with a step and noise.
+fn deviation(step: f64, noise: f64) -> f64 {
+    (step / 12f64.sqrt()).hypot(noise)
+}
+
+/// Step and noise of one channel from all its records, in the channel's unit.
+fn step_and_noise(records: &[&[f64]]) -> (f64, f64) {
+    let Some(print) = resolution(records) else {
+        return (0.0, 0.0);
+    };
+    let total = noise(records);
+    // Where no coarser step than that of the printed decimals occurs, those are the step.
+    let step = coarse_step(records, print).unwrap_or(print);
+    // Fluctuation beyond that of the step. Differences of a stepped signal are uniform only where the motion crosses many
+    // steps, and the motion's own remainder adds to them: a standard deviation half as large again is still the step alone.
+    let alone = deviation(step, 0.0);
+    let excess = if total > 1.5 * alone {
+        (total * total - alone * alone).sqrt()
+    } else {
+        0.0
+    };
+    if step > excess {
+        (step, excess)
+    } else {
+        // Steps below the noise are dithered by it and act as a part of it.
+        (0.0, total)
+    }
+}
+
+/// The smallest distance between different readings, or between different changes from one reading to the next (motion that is
+/// always fast meets no two neighbouring levels): the printed decimals, or the instrument's step where they are exact.
+fn resolution(records: &[&[f64]]) -> Option<f64> {
+    let mut levels: Vec<f64> = records.concat();
+    levels.retain(|x| x.is_finite());
+    let largest = levels.iter().fold(0f64, |most, x| most.max(x.abs()));
+    let gap = |mut values: Vec<f64>| {
+        values.sort_unstable_by(f64::total_cmp);
+        values
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .filter(|gap| *gap > SAME * largest)
+            .min_by(f64::total_cmp)
+    };
+    let of_changes = gap(changes(records));
+    let of_levels = gap(levels);
+    match (of_levels, of_changes) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Sizes of all changes from one reading to the next.
+fn changes(records: &[&[f64]]) -> Vec<f64> {
+    records
+        .iter()
+        .flat_map(|readings| readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()))
+        .filter(|change| change.is_finite())
+        .collect()
+}
+
+/// A step clearly coarser than the printed decimals `print` of which nearly all differences between successive readings are
+/// multiples.
+fn coarse_step(records: &[&[f64]], print: f64) -> Option<f64> {
+    let mut differences = changes(records);
+    let stands = differences
+        .iter()
+        .any(|difference| *difference <= 0.5 * print);
+    differences.push(0.0);
+    differences.sort_unstable_by(f64::total_cmp);
+    // Each of two readings is off by up to half a printed unit, so that one multiple of the step is printed as two neighbouring
+    // numbers at most: these are one cluster.
+    let mut clusters: Vec<f64> = Vec::new();
+    let (mut first, mut last) = (0.0, 0.0);
+    for &difference in &differences {
+        if difference - last > 1.5 * print {
+            clusters.push(0.5 * (first + last));
+            first = difference;
+        }
+        last = difference;
+    }
+    clusters.push(0.5 * (first + last));
+    let mut gaps: Vec<f64> = clusters.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    gaps.sort_unstable_by(f64::total_cmp);
+    // Fast motion may leave only large multiples, whose gaps are multiples too: a gap divided by a small number.
+    let starts = [0.0, 0.05, 0.25, 0.5]
+        .into_iter()
+        .filter_map(|share: f64| gaps.get((share * gaps.len() as f64) as usize));
+    let mut best: Option<f64> = None;
+    for &start in starts {
+        for divisor in 1..=6 {
+            let refined = common_step(
+                &clusters[1..],
+                &gaps,
+                stands,
+                start / f64::from(divisor),
+                1.5 * print,
+            );
+            best = match (best, refined) {
+                (Some(a), Some(b)) => Some(a.max(b)),
+                (a, b) => a.or(b),
+            };
+        }
+    }
+    best
+}
+
+/// `start` refined by least squares over its multiples among `gaps` and `differences` (both rising), if nearly all differences
+/// lie within `tolerance` of one. `stands`: whether a difference of zero occurs too.
+fn common_step(
+    differences: &[f64],
+    gaps: &[f64],
+    stands: bool,
+    start: f64,
+    tolerance: f64,
+) -> Option<f64> {
+    // Multiples prove a step only where chance seldom gives them. The tolerance is an eighth of the step at most, and that all
+    // differences but the one that sets the step are multiples of it has a chance below 0.4 % (0.25⁴).
+    let others = differences.len().saturating_sub(1) + usize::from(stands);
+    let chance = (2.0 * tolerance / start).powf(others as f64);
+    if tolerance > start / 8.0 || chance > 0.004 {
+        return None;
+    }
+    // The start may be off by twice the printed unit. From small multiples to large ones the step becomes ever more certain; a
+    // multiple so large that its number is in doubt is passed over.
+    let (mut step, mut doubt) = (start, 2.0 * tolerance);
+    let (mut products, mut squares) = (0f64, 0f64);
+    for &difference in gaps.iter().chain(differences) {
+        let multiple = (difference / step).round();
+        let allowed = tolerance + multiple * doubt;
+        if multiple >= 1.0
+            && allowed < 0.25 * step
+            && (difference - multiple * step).abs() <= allowed
+        {
+            products += difference * multiple;
+            squares += multiple * multiple;
+            step = products / squares;
+            doubt = tolerance / squares.sqrt();
+        }
+    }
+    let met = differences
+        .iter()
+        .filter(|difference| {
+            let multiple = (*difference / step).round();
+            multiple >= 1.0 && (*difference - multiple * step).abs() <= tolerance
+        })
+        .count();
+    (met as f64 >= 0.97 * differences.len() as f64).then_some(step)
+}
+
+/// Standard deviation of what fluctuates from sample to sample, over all records of a channel.
+fn noise(records: &[&[f64]]) -> f64 {
+    let mut best: Option<(f64, f64)> = None;
+    for order in ORDERS {
+        let mut sizes: Vec<f64> = records
+            .iter()
+            .flat_map(|readings| difference_sizes(readings, order))
+            .collect();
+        if sizes.len() < 20 {
+            continue;
+        }
+        let scale = centre_scale(&mut sizes);
+        let scatter = scale * (2.0 / sizes.len() as f64).sqrt();
+        // A higher order has to be lower by more than the scatter: differences of higher order depend on one another more.
+        if scale > 0.0 && best.is_none_or(|(smallest, margin)| scale < smallest - margin) {
+            best = Some((scale, scatter));
+        }
+    }
+    best.map_or(0.0, |(scale, _)| scale)
+}
+
+/// Absolute differences of an order, divided by what makes those of white noise as large as the noise. A channel that does not
+/// change at all tells nothing of its noise: such stretches are left out.
+fn difference_sizes(readings: &[f64], order: usize) -> Vec<f64> {
+    let mut differences = readings.to_vec();
+    // Sum of the squared binomials: C(2 n, n).
+    let mut squares = 1f64;
+    for n in 1..=order {
+        differences = differences
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect();
+        squares *= (4 * n - 2) as f64 / n as f64;
+    }
+    differences
+        .iter()
+        .zip(readings.windows(order + 1))
+        .filter(|(_, window)| window.iter().any(|x| *x != window[0]))
+        .map(|(difference, _)| difference.abs() / squares.sqrt())
+        .filter(|size| size.is_finite())
+        .collect()
+}
+
+/// Standard deviation of the normal distribution that fits the centre of the distribution of `sizes` (absolute values).
+///
+/// Where there are 30 samples per period, kinks of the motion reach a third of all differences and more, and the median would
+/// be too large. So only sizes below `REACH` standard deviations are used, and their mean square is set against that of a
+/// normal distribution cut off there; the fixed point is approached from below.
+fn centre_scale(sizes: &mut [f64]) -> f64 {
+    const REACH: f64 = 2.0;
+    /// Variance of a standard normal distribution cut off at ±2: 1 − 2 · 2 φ(2)/(2 Φ(2) − 1).
+    const CUT_VARIANCE: f64 = 0.773_741_3;
+    sizes.sort_unstable_by(f64::total_cmp);
+    let mut sums = Vec::with_capacity(sizes.len());
+    let mut sum = 0.0;
+    for size in sizes.iter() {
+        sum += size * size;
+        sums.push(sum);
+    }
+    // A quarter of a normal distribution lies within 0.3186 standard deviations.
+    let mut scale = sizes[sizes.len() / 4] / 0.3186;
+    for _ in 0..200 {
+        let inside = sizes.partition_point(|size| *size <= REACH * scale);
+        if inside == 0 {
+            return scale;
+        }
+        let next = (sums[inside - 1] / inside as f64 / CUT_VARIANCE).sqrt();
+        if (next - scale).abs() <= 1e-6 * scale {
+            return next;
+        }
+        scale = next;
+    }
+    scale
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::channel::{OMEGA, THETA};
+    use std::f64::consts::{PI, TAU};
+
+    const ENCODER_STEP: f64 = TAU / 1000.0;
+    const TACHOMETER_NOISE: f64 = 0.05;
+
+    /// Normal numbers, always the same.
+    struct Stream(u64);
+
+    impl Stream {
+        fn uniform(&mut self) -> f64 {
+            self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+            let mut z = self.0;
+            z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        fn normal(&mut self) -> f64 {
+            (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+        }
+    }
+
+    fn printed(value: f64, decimals: i32) -> f64 {
+        let unit = 10f64.powi(-decimals);
+        (value / unit).round() / 10f64.powi(decimals)
+    }
+
+    /// Angle [rad] and velocity [rad/s] of a disc that sticks for two fifths of each period of 1 s and slips in between, with
+    /// acceleration jumping at breakaway and at sticking.
+    fn stick_slip(time: f64) -> (f64, f64) {
+        const TOP_SPEED: f64 = 10.0;
+        const SLIP: f64 = 0.6;
+        let turn = TOP_SPEED * 2.0 * SLIP / PI;
+        let share = ((time.fract() - (1.0 - SLIP)) / SLIP).max(0.0);
+        let angle = turn * (time.floor() + 0.5 * (1.0 - (PI * share).cos()));
+        (angle, TOP_SPEED * (PI * share).sin())
+    }
+
+    /// Readings of `periods` periods of stick-slip: a rounding encoder (with noise before it rounds) and a noisy tachometer,
+    /// printed with 5 decimals.
+    fn record(samples_per_period: f64, periods: f64, encoder_noise: f64, seed: u64) -> RawRecord {
+        let mut stream = Stream(seed);
+        let mut record = RawRecord::default();
+        for k in 0..(periods * samples_per_period) as usize {
+            let time = k as f64 / samples_per_period;
+            let (angle, velocity) = stick_slip(time);
+            let angle = angle + encoder_noise * stream.normal();
+            record.time.push(time);
+            record.readings[THETA].push(printed((angle / ENCODER_STEP).floor() * ENCODER_STEP, 5));
+            record.readings[OMEGA].push(printed(velocity + TACHOMETER_NOISE * stream.normal(), 5));
+        }
+        record
+    }
+
+    fn assert_near(value: f64, truth: f64, share: f64) {
+        assert!(
+            (value / truth - 1.0).abs() <= share,
+            "{value} instead of {truth}"
+        );
+    }
+
+    #[test]
+    fn step_and_noise_are_found_at_few_and_at_many_samples_per_period() {
+        for (samples, periods, share) in [(30.7, 60.0, 0.1), (300.7, 20.0, 0.05)] {
+            for seed in 0..5 {
+                let found = estimate(&[
+                    record(samples, 0.6 * periods, 0.0, seed),
+                    record(samples, 0.4 * periods, 0.0, seed + 100),
+                ]);
+                assert_near(found.step[THETA], ENCODER_STEP, 1e-3);
+                assert!(found.noise[THETA] <= 0.0, "{found:?}");
+                assert!(found.step[OMEGA] <= 0.0, "{found:?}");
+                assert_near(found.noise[OMEGA], TACHOMETER_NOISE, share);
+                assert!(found.deviations()[2..].iter().all(|x| *x <= 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn noise_before_an_encoder_rounds_is_told_from_its_step() {
+        let found = estimate(&[record(300.7, 20.0, 0.8 * ENCODER_STEP, 7)]);
+        assert_near(found.step[THETA], ENCODER_STEP, 1e-3);
+        assert_near(found.noise[THETA], 0.8 * ENCODER_STEP, 0.1);
+        // A step far below the noise is a part of it.
+        let found = estimate(&[record(300.7, 20.0, 4.0 * ENCODER_STEP, 7)]);
+        assert!(found.step[THETA] <= 0.0);
+        assert_near(found.noise[THETA], 4.0 * ENCODER_STEP, 0.05);
+    }
+
+    #[test]
+    fn steps_are_found_where_motion_is_always_fast() {
+        // Fourteen to seventeen steps from sample to sample.
+        let angle = |k: usize| 0.1 * k as f64 + 0.02 * (0.37 * k as f64).sin();
+        let readings: Vec<f64> = (0..400)
+            .map(|k| printed((angle(k) / ENCODER_STEP).floor() * ENCODER_STEP, 6))
+            .collect();
+        let (step, noise) = step_and_noise(&[&readings]);
+        assert_near(step, ENCODER_STEP, 1e-4);
+        assert!(noise <= 0.0);
+    }
+
+    #[test]
+    fn multiplying_a_channel_multiplies_its_step_and_noise() {
+        let plain = record(100.3, 20.0, 0.0, 3);
+        let found = estimate(std::slice::from_ref(&plain));
+        for factor in [1e-6, 0.3, 57.3, 1e9] {
+            let mut scaled = plain.clone();
+            for x in scaled.readings.iter_mut().flatten() {
+                *x *= factor;
+            }
+            let seen = estimate(&[scaled]);
+            assert_near(seen.step[THETA], factor * found.step[THETA], 1e-9);
+            assert_near(seen.noise[OMEGA], factor * found.noise[OMEGA], 1e-9);
+            assert!(seen.noise[THETA] <= 0.0 && seen.step[OMEGA] <= 0.0);
+        }
+    }
+
+    #[test]
+    fn noise_of_the_load_cell_is_zero_where_it_is_constant_or_missing() {
+        let mut stream = Stream(11);
+        let noisy: Vec<f64> = (0..2000)
+            .map(|_| printed(50.0 + 0.2 * stream.normal(), 3))
+            .collect();
+        let off = vec![0.0; 2000];
+        assert_near(load_noise(&[&noisy, &off]), 0.2, 0.05);
+        assert!(load_noise(&[&off]) <= 0.0);
+        assert!(load_noise(&[&[], &[1.0], &[f64::NAN; 3]]) <= 0.0);
+        assert!(load_noise(&[]) <= 0.0);
+    }
+
+    #[test]
+    fn contradictions_say_both_numbers() {
+        let found = estimate(&[record(300.7, 20.0, 0.0, 5)]);
+        let mut stated = found;
+        stated.noise[3] = 0.1; // nothing was measured there
+        assert!(contradictions(&stated, &found).is_empty());
+        stated.noise[OMEGA] = 0.2 * TACHOMETER_NOISE;
+        let told = contradictions(&stated, &found);
+        assert_eq!(told.len(), 1);
+        assert_eq!(told[0].channel, OMEGA);
+        let text = told[0].to_string();
+        assert!(
+            text.contains("1.000e-2 rad/s") && text.contains("angular velocity of the disc"),
+            "{text}"
+        );
+        stated.noise[OMEGA] = 5.0 * TACHOMETER_NOISE;
+        stated.step[THETA] = 2.0 * ENCODER_STEP;
+        assert_eq!(contradictions(&stated, &found).len(), 2);
+    }
+}

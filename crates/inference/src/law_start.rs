@@ -1,0 +1,281 @@
+//! From where fits of friction laws start: the friction that the records themselves show over speed and acceleration.
+//!
+//! A fit of the analyst's model, with a free torque on the disc in every piece of a window, tells the friction coefficient
+//! at the speeds and accelerations that occur. A law's numbers follow from that scatter by ordinary least squares.
+
+use crate::data::{Data, reduced};
+use crate::fit::Fit;
+use crate::gram::Gram;
+use crate::marginal::Disturbance;
+use crate::scales::Scales;
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use stickslip::friction::acceleration_angle;
+
+/// Most points of a scatter that a search goes over.
+const MOST_POINTS: usize = 500;
+/// Starts of Eq. 6-2 that are followed up.
+const FOLLOWED: usize = 6;
+/// Starts of Eq. 6-2 that fits begin from.
+const KEPT: usize = 3;
+/// Steps of the least squares of a start.
+const STEPS: usize = 60;
+
+/// Friction coefficient at one speed and acceleration along the motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Slip speed, positive.
+    pub speed: f64,
+    /// Acceleration along the motion.
+    pub acceleration: f64,
+    /// Friction coefficient.
+    pub coefficient: f64,
+    /// Its weight: inverse variance.
+    pub weight: f64,
+}
+
+/// What the records show of the friction.
+#[derive(Clone, Debug, Default)]
+pub struct Scatter {
+    /// The points.
+    pub points: Vec<Point>,
+}
+
+impl Scatter {
+    /// The friction that the records show where the disc slides under a load.
+    #[must_use]
+    pub fn of(data: &Data, fit: &Fit) -> Self {
+        let prior = data.scales.torque;
+        let free = Disturbance {
+            disc: prior,
+            ..Disturbance::NONE
+        };
+        let forms = reduced(data, &fit.starts, &fit.grams, &free);
+        let radius = fit.hypothesis.rig.contact.radius;
+        let inertia = fit.hypothesis.rig.disc.inertia;
+        let mut points = Vec::new();
+        for (gram, form) in fit.grams.iter().zip(&forms) {
+            let (Some(gram), Some(form)) = (gram, form) else {
+                continue;
+            };
+            for (column, value, deviation) in form.disturbances() {
+                let Some(place) = column
+                    .checked_sub(Gram::DISC)
+                    .and_then(|piece| gram.places.get(piece))
+                else {
+                    continue;
+                };
+                let per_coefficient = radius * place.normal_force;
+                if !place.sliding || per_coefficient <= 0.0 {
+                    continue;
+                }
+                let along = place.speed.signum();
+                let (torque, deviation) = (prior * value, prior * deviation);
+                points.push(Point {
+                    speed: place.speed.abs(),
+                    acceleration: along * (place.acceleration + torque / inertia),
+                    coefficient: (place.friction - along * torque) / per_coefficient,
+                    weight: (per_coefficient / deviation).powi(2),
+                });
+            }
+        }
+        // A few pieces that are known much better than others must not decide alone.
+        let mut weights: Vec<f64> = points.iter().map(|p| p.weight).collect();
+        weights.sort_by(f64::total_cmp);
+        let most = weights.get(weights.len() / 2).copied().unwrap_or(1.0);
+        for point in &mut points {
+            point.weight = point.weight.min(most);
+        }
+        let every = points.len().div_ceil(MOST_POINTS).max(1);
+        Self {
+            points: points.into_iter().step_by(every).collect(),
+        }
+    }
+}
+
+/// Numbers μ_c, μ_s, ω_s of a law that falls exponentially with speed, if the scatter shows one.
+#[must_use]
+pub fn stribeck(scatter: &Scatter, scales: &Scales) -> Option<[f64; 3]> {
+    let mut best: Option<(f64, [f64; 3])> = None;
+    for share in [0.03, 0.06, 0.1, 0.17, 0.3, 0.5, 0.8] {
+        let omega_s = share * scales.speed;
+        let curve = |p: &Point| [1.0, (-p.speed / omega_s).exp()];
+        let Some((level, left)) = linear(scatter, curve) else {
+            continue;
+        };
+        let (mu_c, mu_s) = (level[0], level[0] + level[1]);
+        if mu_c > 0.0 && mu_s > mu_c && best.is_none_or(|(least, _)| left < least) {
+            best = Some((left, [mu_c, mu_s, omega_s]));
+        }
+    }
+    best.map(|(_, numbers)| numbers)
+}
+
+/// The two coefficients of least squares, and the weighted sum of squares left.
+fn linear(scatter: &Scatter, curve: impl Fn(&Point) -> [f64; 2]) -> Option<(Vector2<f64>, f64)> {
+    let mut moments = Matrix2::<f64>::zeros();
+    let mut right = Vector2::<f64>::zeros();
+    let mut square = 0.0;
+    for p in &scatter.points {
+        let row = Vector2::from(curve(p));
+        moments += p.weight * row * row.transpose();
+        right += p.weight * p.coefficient * row;
+        square += p.weight * p.coefficient * p.coefficient;
+    }
+    let ridge = 1e-6 * moments.trace();
+    let solved = (moments + Matrix2::identity() * ridge)
+        .cholesky()?
+        .solve(&right);
+    Some((solved, square - right.dot(&solved)))
+}
+
+/// Sets of the eight numbers of Eq. 6-2 that follow the scatter, the best first.
+#[must_use]
+pub fn hysteresis(scatter: &Scatter, scales: &Scales) -> Vec<[f64; 8]> {
+    if scatter.points.len() < 16 {
+        return Vec::new();
+    }
+    let mut coarse: Vec<(f64, [f64; 8])> = Vec::new();
+    let peaks = [-3.1, -2.2, -1.3, -0.4, 0.5, 1.4, 2.3, 3.1];
+    for centre in [0.3, 0.5, 0.7, 0.9] {
+        for semi_axis in [0.4, 0.8, 1.6] {
+            let (centre, semi_axis) = (centre * scales.speed, semi_axis * scales.acceleration);
+            let angles: Vec<f64> = scatter
+                .points
+                .iter()
+                .map(|p| acceleration_angle(p.speed, p.acceleration, centre, semi_axis))
+                .collect();
+            for (c1, c2) in [(0.7, 0.7), (1.3, 1.3), (1.3, 2.6), (2.6, 1.3)] {
+                for (j, &b1) in peaks.iter().enumerate() {
+                    for &b2 in &peaks[j + 1..] {
+                        let mut at = angles.iter();
+                        let mut moments = Matrix2::<f64>::zeros();
+                        let mut right = Vector2::<f64>::zeros();
+                        let mut square = 0.0;
+                        for p in &scatter.points {
+                            let alpha = at.next().copied().unwrap_or(0.0);
+                            let row = Vector2::new(bell(alpha, b1, c1), bell(alpha, b2, c2));
+                            moments += p.weight * row * row.transpose();
+                            right += p.weight * p.coefficient * row;
+                            square += p.weight * p.coefficient * p.coefficient;
+                        }
+                        let ridge = Matrix2::identity() * (1e-6 * moments.trace());
+                        let Some(cholesky) = (moments + ridge).cholesky() else {
+                            continue;
+                        };
+                        let heights = cholesky.solve(&right);
+                        let left = square - right.dot(&heights);
+                        let numbers = [heights[0], b1, c1, heights[1], b2, c2, centre, semi_axis];
+                        coarse.push((left, numbers));
+                    }
+                }
+            }
+        }
+    }
+    coarse.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut followed: Vec<(f64, [f64; 8])> = Vec::new();
+    for (_, numbers) in coarse {
+        let alike = |other: &(f64, [f64; 8])| {
+            (other.1[1] - numbers[1]).abs() < 0.5 && (other.1[4] - numbers[4]).abs() < 0.5
+        };
+        if followed.iter().any(alike) {
+            continue;
+        }
+        followed.push((0.0, numbers));
+        if followed.len() == FOLLOWED {
+            break;
+        }
+    }
+    let mut refined: Vec<(f64, [f64; 8])> = followed
+        .into_iter()
+        .map(|(_, numbers)| least_squares(scatter, numbers, scales))
+        .collect();
+    refined.sort_by(|a, b| a.0.total_cmp(&b.0));
+    refined.truncate(KEPT);
+    refined.into_iter().map(|(_, numbers)| numbers).collect()
+}
+
+fn bell(alpha: f64, peak: f64, width: f64) -> f64 {
+    let z = (alpha - peak) / width;
+    (-z * z).exp()
+}
+
+fn level(numbers: &[f64; 8], p: &Point) -> f64 {
+    let alpha = acceleration_angle(p.speed, p.acceleration, numbers[6], numbers[7]);
+    numbers[0] * bell(alpha, numbers[1], numbers[2])
+        + numbers[3] * bell(alpha, numbers[4], numbers[5])
+}
+
+/// Levenberg–Marquardt steps from a coarse set of numbers, with the sum of squares in the end.
+fn least_squares(scatter: &Scatter, start: [f64; 8], scales: &Scales) -> (f64, [f64; 8]) {
+    let coefficient = scales.coefficient;
+    let sizes = [
+        coefficient,
+        1.0,
+        1.0,
+        coefficient,
+        1.0,
+        1.0,
+        scales.speed,
+        scales.acceleration,
+    ];
+    let square = |numbers: &[f64; 8]| -> f64 {
+        scatter
+            .points
+            .iter()
+            .map(|p| p.weight * (p.coefficient - level(numbers, p)).powi(2))
+            .sum()
+    };
+    let mut numbers = start;
+    let mut left = square(&numbers);
+    let mut damping = 1e-2;
+    for _ in 0..STEPS {
+        let mut curvature = SMatrix::<f64, 8, 8>::zeros();
+        let mut gradient = SVector::<f64, 8>::zeros();
+        for p in &scatter.points {
+            let here = level(&numbers, p);
+            let mut row = SVector::<f64, 8>::zeros();
+            for j in 0..8 {
+                let mut moved = numbers;
+                moved[j] += 1e-5 * sizes[j];
+                row[j] = (level(&moved, p) - here) / 1e-5;
+            }
+            curvature += p.weight * row * row.transpose();
+            gradient += p.weight * (p.coefficient - here) * row;
+        }
+        for j in 0..8 {
+            curvature[(j, j)] *= 1.0 + damping;
+            curvature[(j, j)] += 1e-9 * curvature.trace();
+        }
+        let Some(cholesky) = curvature.cholesky() else {
+            break;
+        };
+        let step = cholesky.solve(&gradient);
+        let mut trial = numbers;
+        for j in 0..8 {
+            trial[j] += step[j].clamp(-0.5, 0.5) * sizes[j];
+        }
+        for width in [2, 5] {
+            trial[width] = trial[width].clamp(0.2, 8.0);
+        }
+        for peak in [1, 4] {
+            trial[peak] = trial[peak].clamp(-5.0, 5.0);
+        }
+        trial[6] = trial[6].clamp(0.1 * scales.speed, 3.0 * scales.speed);
+        trial[7] = trial[7].clamp(0.1 * scales.acceleration, 10.0 * scales.acceleration);
+        let after = square(&trial);
+        if after < left {
+            let settled = left - after < 1e-4 * left;
+            (numbers, left) = (trial, after);
+            damping = (0.2 * damping).max(1e-6);
+            if settled {
+                break;
+            }
+        } else {
+            damping *= 5.0;
+            if damping > 1e6 {
+                break;
+            }
+        }
+    }
+    (left, numbers)
+}

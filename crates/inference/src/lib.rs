@@ -1,0 +1,28 @@
+//! Which physical effect a stick-slip model lacks: evidence, search and verdict, without files or screens.
+//!
+//! Everything is computed in the plant's own units ([`units`]), so that no number of one rig is in the engine. Records are cut
+//! into windows from whose measured start the model runs ([`data`], [`fit`]); a set of effects is a [`hypothesis`]; sets are
+//! compared by their log evidence ([`search`]).
+
+pub mod bristle_start;
+pub mod check;
+pub mod data;
+pub mod diagnosis;
+pub mod effects;
+pub mod evidence;
+pub mod fit;
+pub mod gram;
+pub mod hypothesis;
+pub mod instruments;
+pub mod law_start;
+pub mod loss;
+pub mod marginal;
+pub mod policy;
+pub mod problem;
+pub mod record;
+pub mod scales;
+pub mod search;
+pub mod structure;
+pub mod trace;
+pub mod units;
+pub mod window;

@@ -1,0 +1,118 @@
+//! The problem as the engine sees it: a rig, records and instruments in the plant's own units.
+
+use std::sync::Arc;
+
+use crate::data::Data;
+use crate::hypothesis::Hypothesis;
+use crate::record::{CHANNELS, Instruments, RawRecord, Run, channel, channel_units};
+use crate::scales::{Scales, mean_load};
+use crate::units::PlantUnits;
+use crate::window::{Begin, LENGTH, SHORT, UNSEEN};
+use stickslip::parameter::ParameterError;
+use stickslip::plant::Rig;
+
+/// What is to be explained.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The plant's units.
+    pub units: PlantUnits,
+    /// The analyst's rig in them.
+    pub rig: Rig<f64>,
+    /// Relative standard deviations of its nominal parameters.
+    pub uncertainties: Vec<(String, f64)>,
+    /// The instruments in the plant's units.
+    pub instruments: Instruments,
+    /// Records in windows of usual length.
+    pub long: Data,
+    /// The same records in short windows.
+    pub short: Data,
+    /// Names of effects that are not considered.
+    pub without: Vec<String>,
+}
+
+impl Problem {
+    /// The problem that these records pose; rig, records and instruments in SI units.
+    ///
+    /// # Errors
+    /// A number of the rig leaves its range in the plant's units.
+    pub fn new(
+        rig: &Rig<f64>,
+        uncertainties: Vec<(String, f64)>,
+        records: &[RawRecord],
+        instruments: &Instruments,
+        without: Vec<String>,
+    ) -> Result<Self, ParameterError> {
+        let load = mean_load(records.iter().map(|record| record.normal_force.as_slice()));
+        let units = PlantUnits::of(rig, load);
+        let plant = units.to_plant(rig)?;
+        let in_units = channel_units(&units);
+        let instruments = Instruments {
+            step: std::array::from_fn(|c| instruments.step[c] / in_units[c]),
+            noise: std::array::from_fn(|c| instruments.noise[c] / in_units[c]),
+        };
+        let runs: Vec<Run> = records
+            .iter()
+            .map(|record| Run::new(record, &units, &plant, &instruments))
+            .collect();
+        let has = |c: usize| runs.iter().all(|run| run.has(c));
+        // An encoder tells a step, other instruments a few deviations: of the angle, or of the speed over a radian of the
+        // natural oscillation.
+        let resolution = [channel::THETA, channel::OMEGA, channel::THETA3]
+            .into_iter()
+            .filter(|c| has(*c))
+            .take(1)
+            .map(|c| 12f64.sqrt() * instruments.deviations()[c])
+            .fold(f64::INFINITY, f64::min);
+        let scales = Scales::of(&plant, &runs, resolution);
+        let runs = Arc::new(runs);
+        let deviations: [f64; CHANNELS] = instruments.deviations();
+        let seen = runs
+            .iter()
+            .all(|run| run.has(channel::THETA) || run.has(channel::OMEGA));
+        let cut = |length: f64| {
+            Data::new(
+                Arc::clone(&runs),
+                &plant,
+                scales,
+                deviations,
+                length,
+                Begin::Clear,
+            )
+        };
+        let (long, short) = if seen {
+            (cut(LENGTH), cut(SHORT))
+        } else {
+            (cut(UNSEEN), cut(LENGTH))
+        };
+        Ok(Self {
+            units,
+            rig: plant,
+            uncertainties,
+            instruments,
+            long,
+            short,
+            without,
+        })
+    }
+
+    /// The same problem with at most about `most` windows, spread over the records.
+    #[must_use]
+    pub fn part(&self, most: usize) -> Self {
+        let thinned = |data: &Data, most: usize| {
+            let every = data.windows.len().div_ceil(most).max(1);
+            let kept: Vec<usize> = (0..data.windows.len()).step_by(every).collect();
+            data.part(&kept)
+        };
+        Self {
+            long: thinned(&self.long, most),
+            short: thinned(&self.short, 2 * most),
+            ..self.clone()
+        }
+    }
+
+    /// The analyst's model with its nominal parameters free within their uncertainty.
+    #[must_use]
+    pub fn hypothesis(&self) -> Hypothesis {
+        Hypothesis::base(&self.rig, &self.uncertainties)
+    }
+}

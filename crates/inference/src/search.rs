@@ -1,0 +1,655 @@
+//! Which set of effects the records speak for: best first over sets by adding, removing and swapping.
+
+use crate::data::{Data, MOST_FREE};
+use crate::effects::{EFFECTS, Effect, effect};
+use crate::evidence::Told;
+use crate::fit::{Fit, rescue};
+use crate::hypothesis::Hypothesis;
+use crate::law_start::Scatter;
+use crate::loss;
+use crate::marginal::Disturbance;
+use crate::policy::{FAR, LN_PRIOR_ODDS, MOST_EFFECTS, WRONG};
+use crate::problem::Problem;
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// Steps of a fit to short windows.
+const NEAR_STEPS: usize = 10;
+/// Steps of a fit to all windows.
+const STEPS: usize = 20;
+/// Steps after which it is asked whether a fit can catch up with the best.
+const AT_A_TIME: usize = 3;
+/// A fit is given up that would need more than so many times its last gain.
+const CATCHES_UP: f64 = 8.0;
+/// Windows on which sets are looked for before they are fitted to all.
+const PART_WINDOWS: usize = 100;
+/// Share of what a set gains that a part of it must gain by itself for other effects to be tried beside it.
+const CONSIDERABLE: f64 = 0.1;
+/// Log evidence that a set with one effect exchanged may promise less than the present one to be fitted.
+const NEARLY: f64 = -40.0;
+/// Sets with effects that are fitted to all windows.
+const RIVALS: usize = 3;
+/// Windows that suffice for the first looks.
+const LOOK_WINDOWS: usize = 80;
+/// How many starts are followed, and for how many steps each, before the next fewer.
+const ROUNDS: [(usize, usize); 3] = [(14, 2), (7, 3), (4, 0)];
+
+/// A set of effects, fitted.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The effects in the catalogue's order.
+    pub effects: Vec<&'static str>,
+    /// The fit.
+    pub fit: Fit,
+    /// Log evidence.
+    pub evidence: f64,
+    /// The same window by window.
+    pub told: Told,
+    /// Log likelihood of windows under what the other half of the records teaches.
+    pub foretold: Told,
+}
+
+impl Candidate {
+    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, or one of whose effects changes next to nothing.
+    #[must_use]
+    pub fn score(&self) -> f64 {
+        let hypothesis = &self.fit.hypothesis;
+        let is_material =
+            |name: &&str| effect(name).is_none_or(|effect| !effect.is_immaterial(hypothesis));
+        if hypothesis.at_an_end().is_empty() && self.effects.iter().all(is_material) {
+            self.evidence + LN_PRIOR_ODDS * self.effects.len() as f64
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+}
+
+impl Candidate {
+    /// Log odds of this set over `other`.
+    #[must_use]
+    pub fn lead(&self, other: &Self) -> f64 {
+        let more = self.effects.len() as f64 - other.effects.len() as f64;
+        let gain = self.told.gain_over(&other.told);
+        // What an effect explains it must also foretell.
+        let sure = if more > 0.0 {
+            gain.min(self.foretold.gain_over(&other.foretold))
+        } else {
+            gain
+        };
+        sure + LN_PRIOR_ODDS * more
+    }
+}
+
+/// All sets that were fitted, the best first, and the analyst's model.
+#[derive(Clone, Debug)]
+pub struct Search {
+    /// Sets with effects or none, by score.
+    pub candidates: Vec<Candidate>,
+    /// The analyst's model with its parameters refitted.
+    pub base: Candidate,
+}
+
+/// A start of an effect, looked at.
+struct Look {
+    effect: &'static Effect,
+    fit: Fit,
+    promise: f64,
+}
+
+/// Goes over sets of effects until no move gains, first on a part of the windows and from what that leads to on all of them;
+/// `progress` hears of each set that is fitted.
+#[must_use]
+pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
+    progress("the analyst's model");
+    let part = problem.part(PART_WINDOWS);
+    let first = candidate(&part, fit_from(&part, part.hypothesis(), None, true));
+    let mut known = vec![first.clone()];
+    if first.fit.calm(&part.long).misfit(&part.long) > WRONG {
+        explore(&part, &mut known, progress);
+    }
+    let mut whole: Vec<Candidate> = Vec::new();
+    let rivals = known.iter().filter(|c| !c.effects.is_empty()).take(RIVALS);
+    let nothing = known.iter().find(|c| c.effects.is_empty());
+    for on_part in rivals.chain(nothing) {
+        let leading = whole
+            .iter()
+            .map(Candidate::score)
+            .fold(f64::NEG_INFINITY, f64::max);
+        progress(&named(&on_part.effects));
+        let begun = begun(problem, on_part.fit.hypothesis.clone(), None);
+        let fit = raced(
+            problem,
+            begun,
+            leading - LN_PRIOR_ODDS * on_part.effects.len() as f64,
+        );
+        whole.push(candidate(problem, fit));
+    }
+    explore(problem, &mut whole, progress);
+    if !whole[0].fit.is_converged {
+        let fit = whole[0].fit.clone().improved(&problem.long, 2 * STEPS);
+        whole[0] = candidate(problem, fit);
+    }
+    let base = whole
+        .iter()
+        .find(|candidate| candidate.effects.is_empty())
+        .cloned()
+        .unwrap_or(first);
+    Search {
+        candidates: whole,
+        base,
+    }
+}
+
+fn named(effects: &[&str]) -> String {
+    if effects.is_empty() {
+        "the analyst's model".to_owned()
+    } else {
+        effects.join(" and ")
+    }
+}
+
+/// Goes on from the best of `known` until no move gains.
+fn explore(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnMut(&str)) {
+    let mut expanded: Vec<Vec<&'static str>> = Vec::new();
+    known.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    let Some(mut current) = known.first().cloned() else {
+        return;
+    };
+    loop {
+        expanded.push(current.effects.clone());
+        if current.effects.len() < MOST_EFFECTS {
+            add(problem, &current, known, progress);
+        }
+        if current.effects.len() > 1 {
+            for left_out in current.effects.clone() {
+                let fewer = remove(problem, &current, left_out, known, progress);
+                let alone = known
+                    .iter()
+                    .find(|candidate| candidate.effects.is_empty())
+                    .map_or(f64::NEG_INFINITY, |candidate| candidate.evidence);
+                let share = (fewer.evidence - alone) / (current.evidence - alone);
+                if share > CONSIDERABLE && !expanded.contains(&fewer.effects) {
+                    expanded.push(fewer.effects.clone());
+                    add(problem, &fewer, known, progress);
+                }
+            }
+        }
+        share_starts(problem, known);
+        best_first(known);
+        if expanded.contains(&known[0].effects) {
+            break;
+        }
+        current = known[0].clone();
+    }
+}
+
+/// Sorts sets by their scores, and puts before them the one that none of fewer effects comes near.
+fn best_first(known: &mut [Candidate]) {
+    known.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    let mut best = 0;
+    for other in 1..known.len() {
+        let fewer = known[other].effects.len() < known[best].effects.len();
+        let counts = known[other].score() > f64::NEG_INFINITY;
+        if fewer && counts && known[best].lead(&known[other]) < 0.0 {
+            best = other;
+        }
+    }
+    known[..=best].rotate_right(1);
+}
+
+/// The fit of these effects on top of the analyst's model, whether it gains or not; `None` where one of them makes no sense.
+#[must_use]
+pub fn fit_effects(
+    problem: &Problem,
+    names: &[&str],
+    progress: &mut dyn FnMut(&str),
+) -> Option<Candidate> {
+    progress("the analyst's model");
+    let mut current = candidate(problem, fit_from(problem, problem.hypothesis(), None, true));
+    for name in names {
+        let effect = effect(name)?;
+        progress(effect.name);
+        let looks = looks(problem, &current, &[effect], &mut |_| {});
+        let first = looks.first().map(|look| look.fit.hypothesis.clone());
+        let fits = followed(problem, &current, looks, progress);
+        let best = fits
+            .into_iter()
+            .map(|look| candidate(problem, look.fit))
+            .max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+        // What promises nothing is not followed in a search; here it is fitted all the same.
+        current = match best {
+            Some(best) => best,
+            None => candidate(
+                problem,
+                fit_from(problem, first?, Some(&current.fit), false),
+            ),
+        };
+    }
+    Some(current)
+}
+
+fn candidate(problem: &Problem, fit: Fit) -> Candidate {
+    let told = fit.told(&problem.long);
+    let evidence = told.total();
+    let foretold = fit.foretold(&problem.long);
+    let mut effects: Vec<&'static str> = EFFECTS
+        .iter()
+        .map(|effect| effect.name)
+        .filter(|name| fit.hypothesis.effects.iter().any(|own| own == name))
+        .collect();
+    effects.dedup();
+    Candidate {
+        effects,
+        fit,
+        evidence,
+        told,
+        foretold,
+    }
+}
+
+/// Fits a hypothesis to all windows, over short ones first if `closely`; windows start as in `from` where that is better.
+fn fit_from(problem: &Problem, hypothesis: Hypothesis, from: Option<&Fit>, closely: bool) -> Fit {
+    let calm = Disturbance::NONE;
+    let mut hypothesis = hypothesis;
+    if closely {
+        let near = Fit::at(&problem.short, hypothesis, problem.short.anchors(), calm)
+            .improved_calmly(&problem.short, NEAR_STEPS);
+        hypothesis = near.hypothesis;
+    }
+    begun(problem, hypothesis, from).improved(&problem.long, STEPS)
+}
+
+/// A hypothesis on all windows, which start as measured or as in `from`.
+fn begun(problem: &Problem, hypothesis: Hypothesis, from: Option<&Fit>) -> Fit {
+    let calm = Disturbance::NONE;
+    let data = &problem.long;
+    let measured = Fit::at(data, hypothesis.clone(), data.anchors(), calm);
+    match from {
+        Some(from) => {
+            let carried = Fit::at(data, hypothesis, from.starts.clone(), calm);
+            if carried.loss < measured.promised_loss(data) || carried.loss < measured.loss {
+                carried
+            } else {
+                measured
+            }
+        }
+        None => measured,
+    }
+}
+
+/// The fit after further steps, as long as it can catch up with the evidence `best` of another.
+fn raced(problem: &Problem, fit: Fit, best: f64) -> Fit {
+    let mut fit = fit;
+    let mut before = fit.evidence(&problem.long);
+    for _ in 0..STEPS / AT_A_TIME {
+        fit = fit.improved(&problem.long, AT_A_TIME);
+        let now = fit.evidence(&problem.long);
+        let catches_up = best - now < CATCHES_UP * (now - before);
+        before = now;
+        if fit.is_converged || now < best && !catches_up {
+            break;
+        }
+    }
+    fit
+}
+
+fn add(
+    problem: &Problem,
+    current: &Candidate,
+    known: &mut Vec<Candidate>,
+    progress: &mut dyn FnMut(&str),
+) {
+    let effects: Vec<&'static Effect> = EFFECTS
+        .iter()
+        .filter(|effect| !problem.without.iter().any(|name| name == effect.name))
+        .filter(|effect| !current.effects.contains(&effect.name))
+        .collect();
+    let looks = looks(problem, current, &effects, progress);
+    let swapped = swapped(problem, current, &looks);
+    for look in followed(problem, current, looks, progress) {
+        keep(known, candidate(problem, look.fit));
+    }
+    for hypothesis in swapped {
+        progress(&named(&own_names(&hypothesis)));
+        let fit = raced(
+            problem,
+            begun(problem, hypothesis, Some(&current.fit)),
+            current.evidence,
+        );
+        keep(known, candidate(problem, fit));
+    }
+}
+
+/// Sets with one effect of `current` exchanged that do as well, as far as the looks at one more effect tell: the step that is
+/// best where the numbers of the one given up are held at no effect.
+fn swapped(problem: &Problem, current: &Candidate, looks: &[Look]) -> Vec<Hypothesis> {
+    let Some(first) = looks.first() else {
+        return Vec::new();
+    };
+    let (part, base) = look_data(problem, current);
+    if base.starts.len() != first.fit.starts.len() || base.misfit(&part) > WRONG {
+        return Vec::new();
+    }
+    let nothing = promise(&base, &part);
+    let mut found = Vec::new();
+    for look in looks {
+        for given_up in &current.effects {
+            let hypothesis = &look.fit.hypothesis;
+            let Some((start, width)) = hypothesis.numbers_of(given_up) else {
+                continue;
+            };
+            let forms = look.fit.reduced(&part);
+            let precisions = hypothesis.prior_precisions();
+            let (curvature, gradient) =
+                loss::normal_equations(forms.iter().flatten(), &precisions, &hypothesis.x);
+            let own: Vec<usize> = (start..start + width).collect();
+            let others: Vec<usize> = (0..hypothesis.dimension())
+                .filter(|j| !own.contains(j))
+                .collect();
+            let n = others.len();
+            let inner = DMatrix::from_fn(n, n, |a, b| curvature[(others[a], others[b])]);
+            let pull = DVector::from_fn(n, |a, _| {
+                let held: f64 = own
+                    .iter()
+                    .map(|&j| -curvature[(others[a], j)] * hypothesis.x[j])
+                    .sum();
+                gradient[others[a]] - held
+            });
+            let Some(cholesky) = Cholesky::new(inner) else {
+                continue;
+            };
+            let solved = cholesky.solve(&pull);
+            let mut step = DVector::zeros(hypothesis.dimension());
+            for (&j, d) in others.iter().zip(solved.iter()) {
+                step[j] = *d;
+            }
+            for &j in &own {
+                step[j] = -hypothesis.x[j];
+            }
+            let after = look.fit.loss - 2.0 * gradient.dot(&step) + step.dot(&(&curvature * &step));
+            let volume: f64 = 2.0
+                * cholesky
+                    .l_dirty()
+                    .diagonal()
+                    .iter()
+                    .map(|d| d.ln())
+                    .sum::<f64>();
+            let prior: f64 = others.iter().map(|&j| precisions[j].ln()).sum();
+            let promised = -0.5 * (after + volume - prior);
+            if promised < nothing + NEARLY {
+                continue;
+            }
+            let mut moved = hypothesis.clone();
+            for (x, d) in moved.x.iter_mut().zip(step.iter()) {
+                *x += d;
+            }
+            moved.clamp();
+            let mut names: Vec<&'static str> = current
+                .effects
+                .iter()
+                .copied()
+                .filter(|name| name != given_up)
+                .collect();
+            names.push(look.effect.name);
+            found.push((promised, rebuilt(problem, &names, &moved)));
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.truncate(RIVALS);
+    found
+        .into_iter()
+        .map(|(_, hypothesis)| hypothesis)
+        .collect()
+}
+
+fn own_names(hypothesis: &Hypothesis) -> Vec<&str> {
+    hypothesis.effects.iter().map(String::as_str).collect()
+}
+
+fn keep(known: &mut Vec<Candidate>, candidate: Candidate) {
+    match known
+        .iter_mut()
+        .find(|other| other.effects == candidate.effects)
+    {
+        Some(other) if other.evidence >= candidate.evidence => {}
+        Some(other) => *other = candidate,
+        None => known.push(candidate),
+    }
+}
+
+fn remove(
+    problem: &Problem,
+    current: &Candidate,
+    left_out: &str,
+    known: &mut Vec<Candidate>,
+    progress: &mut dyn FnMut(&str),
+) -> Candidate {
+    let rest: Vec<&'static str> = current
+        .effects
+        .iter()
+        .copied()
+        .filter(|name| *name != left_out)
+        .collect();
+    progress(&format!("without {left_out}"));
+    let hypothesis = rebuilt(problem, &rest, &current.fit.hypothesis);
+    let fit = fit_from(problem, hypothesis, Some(&current.fit), false);
+    let fewer = candidate(problem, fit);
+    keep(known, fewer.clone());
+    known
+        .iter()
+        .find(|other| other.effects == fewer.effects)
+        .cloned()
+        .unwrap_or(fewer)
+}
+
+/// The analyst's model with these effects, and with the numbers of `like` where that has them.
+fn rebuilt(problem: &Problem, names: &[&'static str], like: &Hypothesis) -> Hypothesis {
+    let mut hypothesis = problem.hypothesis();
+    for name in names {
+        let start = effect(name).and_then(|effect| {
+            let nowhere = Scatter::default();
+            let starts = effect.starts(&hypothesis, &problem.long.scales, Some(&nowhere));
+            let alike = |start: &Hypothesis| {
+                let order = |rig: &Hypothesis| rig.rig.parameter("gear_ripple.order");
+                order(start) == order(like)
+            };
+            let at = starts.iter().position(alike).unwrap_or(0);
+            starts.into_iter().nth(at)
+        });
+        if let Some(start) = start {
+            hypothesis = start;
+        } else if let Some(law) = law_of(like, &hypothesis, name) {
+            hypothesis = law;
+        }
+    }
+    hypothesis.take_over(like);
+    hypothesis
+}
+
+/// `hypothesis` with the friction law, and its free numbers, of `fitted`.
+fn law_of(fitted: &Hypothesis, hypothesis: &Hypothesis, name: &str) -> Option<Hypothesis> {
+    let mut h = hypothesis.clone();
+    h.rig.law = fitted.rig.law;
+    let is_law = |free: &crate::hypothesis::Free| {
+        matches!(free, crate::hypothesis::Free::Nominal { name, .. }
+            | crate::hypothesis::Free::Value { name, .. } if name.starts_with("contact."))
+    };
+    let (mut free, mut x, mut at) = (Vec::new(), Vec::new(), 0);
+    for own in &hypothesis.free {
+        if !is_law(own) {
+            free.push(own.clone());
+            x.extend_from_slice(&hypothesis.x[at..at + own.width()]);
+        }
+        at += own.width();
+    }
+    at = 0;
+    for own in &fitted.free {
+        if is_law(own) {
+            free.push(own.clone());
+            x.extend_from_slice(&fitted.x[at..at + own.width()]);
+        }
+        at += own.width();
+    }
+    h.free = free;
+    h.x = x;
+    h.effects.push(name.to_owned());
+    Some(h)
+}
+
+/// The windows on which starts are looked at on top of a fit, and where they start there.
+fn look_data(problem: &Problem, current: &Candidate) -> (Data, Fit) {
+    let long = &problem.long;
+    let calm = current.fit.calm(long);
+    let (data, fit) = if calm.misfit(long) > FAR {
+        let short = &problem.short;
+        let hypothesis = current.fit.hypothesis.clone();
+        let fit = Fit::at(short, hypothesis, short.anchors(), Disturbance::NONE)
+            .improved_calmly(short, 3);
+        (short, fit)
+    } else {
+        (long, calm)
+    };
+    let thinning = if std::ptr::eq(data, long) {
+        1
+    } else {
+        (data.windows.len() / LOOK_WINDOWS).max(1)
+    };
+    let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning).collect();
+    let part = data.part(&kept);
+    let starts = kept.iter().map(|&j| fit.starts[j]).collect();
+    let on_part = Fit::at(&part, fit.hypothesis, starts, fit.disturbance);
+    (part, on_part)
+}
+
+/// What every start of `effects` promises on top of `current`, the most first.
+fn looks(
+    problem: &Problem,
+    current: &Candidate,
+    effects: &[&'static Effect],
+    progress: &mut dyn FnMut(&str),
+) -> Vec<Look> {
+    let (part, base) = look_data(problem, current);
+    let is_far = base.misfit(&part) > WRONG;
+    let scatter = is_far.then(|| Scatter::of(&part, &base));
+    let mut looks = Vec::new();
+    for effect in effects {
+        progress(effect.name);
+        for hypothesis in effect.starts(&base.hypothesis, &problem.long.scales, scatter.as_ref()) {
+            if hypothesis.dimension() > MOST_FREE {
+                continue;
+            }
+            let mut fit = Fit::at(&part, hypothesis, base.starts.clone(), base.disturbance);
+            if effect.is_nonlinear() && is_far {
+                fit = fit.improved_calmly(&part, 2);
+            }
+            let promise = promise(&fit, &part);
+            looks.push(Look {
+                effect,
+                fit,
+                promise,
+            });
+        }
+    }
+    let nothing = promise(&base, &part);
+    for look in &mut looks {
+        look.promise -= nothing;
+    }
+    looks.sort_by(|a, b| b.promise.total_cmp(&a.promise));
+    looks
+}
+
+/// Log evidence that one more step promises.
+fn promise(fit: &Fit, data: &Data) -> f64 {
+    let forms = fit.reduced(data);
+    let precisions = fit.hypothesis.prior_precisions();
+    let (curvature, gradient) =
+        loss::normal_equations(forms.iter().flatten(), &precisions, &fit.hypothesis.x);
+    let Some(cholesky) = Cholesky::new(curvature) else {
+        return f64::NEG_INFINITY;
+    };
+    let step = cholesky.solve(&gradient);
+    let volume: f64 = 2.0
+        * cholesky
+            .l_dirty()
+            .diagonal()
+            .iter()
+            .map(|d| d.ln())
+            .sum::<f64>();
+    let prior: f64 = precisions.iter().map(|p| p.ln()).sum();
+    -0.5 * (fit.loss - gradient.dot(&step) + volume - prior)
+}
+
+/// The most promising of `looks`, fitted to all windows.
+fn followed(
+    problem: &Problem,
+    current: &Candidate,
+    looks: Vec<Look>,
+    progress: &mut dyn FnMut(&str),
+) -> Vec<Look> {
+    let (part, _) = look_data(problem, current);
+    let is_far = current.fit.calm(&problem.long).misfit(&problem.long) > FAR;
+    // Near the truth a step promises what it holds; from afar it may hold more.
+    let least = if is_far { LN_PRIOR_ODDS } else { 0.0 };
+    let mut field: Vec<Look> = looks
+        .into_iter()
+        .filter(|look| look.promise > least)
+        .collect();
+    for (most, steps) in ROUNDS {
+        let mut kept: Vec<Look> = Vec::new();
+        for look in field {
+            let twins = kept
+                .iter()
+                .filter(|other| other.effect.name == look.effect.name)
+                .count();
+            if kept.len() < most && twins < if steps > 2 || steps == 0 { 1 } else { 2 } {
+                kept.push(look);
+            }
+        }
+        for look in &mut kept {
+            if steps > 0 {
+                progress(look.effect.name);
+                let fit = look.fit.clone().improved_calmly(&part, steps);
+                look.promise = promise(&fit, &part);
+                look.fit = fit;
+            }
+        }
+        kept.sort_by(|a, b| b.promise.total_cmp(&a.promise));
+        field = kept;
+    }
+    let mut best = current.evidence;
+    for look in &mut field {
+        progress(look.effect.name);
+        let hypothesis = look.fit.hypothesis.clone();
+        look.fit = raced(
+            problem,
+            begun(problem, hypothesis, Some(&current.fit)),
+            best,
+        );
+        best = best.max(look.fit.evidence(&problem.long));
+    }
+    field
+}
+
+/// Starts windows in every candidate from where another has found a better start: sets are compared by their models, not by
+/// which of them has found a window's start.
+fn share_starts(problem: &Problem, known: &mut [Candidate]) {
+    let data = &problem.long;
+    known.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    let count = known.len().min(4);
+    for at in 0..count {
+        let mut forms = known[at].fit.reduced(data);
+        let mut fit = known[at].fit.clone();
+        for other in 0..count {
+            if other == at {
+                continue;
+            }
+            let theirs = known[other].fit.reduced(data);
+            let starts = known[other].fit.starts.clone();
+            rescue(data, &theirs, &starts, &mut fit, &mut forms);
+        }
+        fit.loss = loss::total(&forms, &fit.hypothesis);
+        if fit.loss < known[at].fit.loss - 1.0 {
+            let fit = fit.improved(data, 3);
+            known[at] = candidate(problem, fit);
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Which cases to make on other rigs.
+
+use crate::error::MakerError;
+use crate::hidden_effect::{CATALOGUE, Effect};
+use crate::other_rigs::case::{OtherCase, RigChoice};
+use crate::plan::{check_seeds, check_sizes};
+use crate::random::{Purpose, Stream};
+use crate::records::Sensors;
+
+/// What is hidden in a case on another rig.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OtherKind {
+    /// `kind` in the answers.
+    pub name: String,
+    /// The effects with whether each sits on disc D1 (of the full rig).
+    pub effects: Vec<(Effect, bool)>,
+    /// The analyst's friction law where the kind fixes it.
+    pub base: Option<&'static str>,
+}
+
+/// How many effects and of which sort.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sort {
+    /// One effect of a catalogue.
+    Single,
+    /// Two.
+    Pair,
+    /// Three.
+    Triple,
+    /// One that no catalogue has.
+    Outside,
+    /// None.
+    Clean,
+}
+
+/// Effects that can sit on either disc of the full rig.
+pub const ON_EITHER_DISC: [Effect; 6] = [
+    Effect::Unbalance,
+    Effect::ViscousDrag,
+    Effect::QuadraticDrag,
+    Effect::BearingFriction,
+    Effect::NormalForceWobble,
+    Effect::ShaftHardening,
+];
+
+/// Effects in no catalogue.
+pub const OUTSIDERS: [Effect; 20] = [
+    Effect::BreathingInertia,
+    Effect::DynamicAbsorber,
+    Effect::FrictionBump,
+    Effect::PeriodicTorque,
+    Effect::ShaftSoftening,
+    Effect::TorqueSaturation,
+    Effect::BreakawayAfterDwell,
+    Effect::FrictionMemory,
+    Effect::DriveLag,
+    Effect::EncoderEccentricity,
+    Effect::TachometerGain,
+    Effect::ThreeLobes,
+    Effect::LiftingPin,
+    Effect::FadingMotor,
+    Effect::FrictionPatch,
+    Effect::HigherHarmonics,
+    Effect::FrictionJump,
+    Effect::SwayingFriction,
+    Effect::AsymmetricFriction,
+    Effect::LoadSaturation,
+];
+
+/// What to make on other rigs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OtherWish {
+    /// First seed; case `k` has seed + k.
+    pub seed: u64,
+    /// Number of cases.
+    pub cases: usize,
+    /// How many effects and of which sort.
+    pub sort: Sort,
+    /// Only this kind.
+    pub kind: Option<String>,
+    /// What every case has in common.
+    pub common: OtherCase,
+}
+
+impl OtherKind {
+    fn new(effects: &[(Effect, bool)]) -> Self {
+        let names: Vec<_> = effects.iter().map(|(effect, _)| effect.name()).collect();
+        Self {
+            name: names.join("_and_"),
+            effects: effects.to_vec(),
+            base: None,
+        }
+    }
+
+    /// A case with nothing hidden.
+    pub fn clean() -> Self {
+        Self {
+            name: "none".to_owned(),
+            effects: Vec::new(),
+            base: None,
+        }
+    }
+
+    /// Every kind of `sort`, on the full rig if `full_rig`.
+    pub fn all(sort: Sort, full_rig: bool) -> Vec<Self> {
+        let on_either = ON_EITHER_DISC.map(|effect| [(effect, true), (effect, false)]);
+        let choices: Vec<(Effect, bool)> = if full_rig {
+            on_either.concat()
+        } else {
+            CATALOGUE.iter().map(|&effect| (effect, false)).collect()
+        };
+        match sort {
+            Sort::Clean => vec![Self::clean()],
+            Sort::Outside => OUTSIDERS
+                .iter()
+                .map(|&effect| Self {
+                    name: format!("outside_{}", effect.name()),
+                    ..Self::new(&[(effect, false)])
+                })
+                .collect(),
+            Sort::Single => {
+                let mut kinds: Vec<Self> =
+                    choices.iter().map(|&choice| Self::new(&[choice])).collect();
+                if !full_rig {
+                    for (name, effect, base) in [
+                        (
+                            "normal_force_wobble_gauss",
+                            Effect::NormalForceWobble,
+                            "two_gaussian_mu",
+                        ),
+                        (
+                            "acceleration_hysteresis_c",
+                            Effect::AccelerationHysteresis,
+                            "coulomb_stiction",
+                        ),
+                    ] {
+                        kinds.push(Self {
+                            name: name.to_owned(),
+                            effects: vec![(effect, false)],
+                            base: Some(base),
+                        });
+                    }
+                }
+                kinds
+            }
+            Sort::Pair => combinations(&choices, 2),
+            Sort::Triple => combinations(&choices, 3),
+        }
+    }
+}
+
+/// Every set of `count` effects that records can part: not two laws, no effect twice, and not
+/// `motor_viscous` with `supply_sag`.
+fn combinations(choices: &[(Effect, bool)], count: usize) -> Vec<OtherKind> {
+    let mut sets: Vec<Vec<(Effect, bool)>> = vec![Vec::new()];
+    for &choice in choices {
+        let longer: Vec<_> = sets
+            .iter()
+            .filter(|set| set.len() < count && fits(set, choice.0))
+            .map(|set| set.iter().copied().chain([choice]).collect())
+            .collect();
+        sets.extend(longer);
+    }
+    sets.iter()
+        .filter(|set| set.len() == count)
+        .map(|set| {
+            let mut set = set.clone();
+            set.sort_by_key(|(effect, _)| effect.name());
+            OtherKind::new(&set)
+        })
+        .collect()
+}
+
+fn fits(set: &[(Effect, bool)], effect: Effect) -> bool {
+    let one_law = effect.replaced_law().is_none()
+        || set.iter().all(|(other, _)| other.replaced_law().is_none());
+    let partable = |other: Effect| {
+        let pair = [other.min(effect), other.max(effect)];
+        other != effect && pair != [Effect::MotorViscous, Effect::SupplySag]
+    };
+    one_law && set.iter().all(|(other, _)| partable(*other))
+}
+
+impl OtherWish {
+    /// The cases wished for.
+    ///
+    /// # Errors
+    /// The seeds touch those of the suites, a number is out of range, or no kind has that name.
+    pub fn plan(&self) -> Result<Vec<OtherCase>, MakerError> {
+        check_seeds(self.seed, self.cases)?;
+        check_sizes(self.common.size, self.common.noise)?;
+        let full_rig = self.common.rig == RigChoice::Full;
+        let mut kinds = OtherKind::all(self.sort, full_rig);
+        kinds.retain(|kind| self.kind.as_ref().is_none_or(|name| *name == kind.name));
+        if kinds.is_empty() {
+            return Err(MakerError::NoKind(self.kind.clone().unwrap_or_default()));
+        }
+        if matches!(self.sort, Sort::Pair | Sort::Triple) {
+            Stream::new(self.seed, Purpose::Recipe).shuffle(&mut kinds);
+        }
+        Ok((0..self.cases)
+            .map(|index| OtherCase {
+                name: format!("case-{index:04}"),
+                kind: kinds[index % kinds.len()].clone(),
+                seed: self.seed + index as u64,
+                ..self.common.clone()
+            })
+            .collect())
+    }
+}
+
+/// Everything neutral: a clean case of any rig.
+impl Default for OtherCase {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            kind: OtherKind::clean(),
+            seed: 0,
+            rig: RigChoice::Drawn,
+            size: (1.0, 1.0),
+            share_laws: false,
+            rough: false,
+            noise: 1.0,
+            sensors: Sensors::All,
+            unknown: false,
+            load_reference: Some(50.0),
+        }
+    }
+}

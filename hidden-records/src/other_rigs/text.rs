@@ -1,0 +1,156 @@
+//! `model.toml` of a drawn rig, and the facts that its answer states.
+
+use crate::law::ContactLaw;
+use crate::other_rigs::case::DrawnCase;
+use crate::rig::relative_uncertainty;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// What the analyst believes, with one standard deviation of each uncertain number.
+pub fn model_toml(case: &DrawnCase) -> String {
+    let rig = &case.rig.believed;
+    let spread = case.spread;
+    let mut text = String::from(
+        "# What the analyst believes before looking at the records. SI units, shaft side of the \
+         gearbox unless\n# named motor. relative_uncertainty: one standard deviation.\n",
+    );
+    let mut section = |name: &str, numbers: &[(&str, f64, &str, &str)]| {
+        // Writing into a String cannot fail.
+        let _ = writeln!(text, "[{name}]");
+        for &(key, value, unit, uncertain) in numbers {
+            let sigma = rounded(relative_uncertainty(uncertain, spread));
+            let _ = if sigma > 0.0 {
+                writeln!(
+                    text,
+                    "{key} = {{ value = {value:?}, unit = \"{unit}\", relative_uncertainty = {sigma} }}"
+                )
+            } else {
+                writeln!(text, "{key} = {{ value = {value:?}, unit = \"{unit}\" }}")
+            };
+        }
+    };
+    if let Some(outer) = &case.outer {
+        let part = &outer.part;
+        section("disc1", &[("inertia", part.inertia, "kg m2", "J2")]);
+        section(
+            "shaft1",
+            &[
+                ("stiffness", part.shaft_stiffness, "N m/rad", "k2"),
+                ("damping", part.shaft_damping, "N m s/rad", "c2"),
+            ],
+        );
+    }
+    section("disc", &[("inertia", rig.disc_inertia, "kg m2", "J2")]);
+    section(
+        "shaft",
+        &[
+            ("stiffness", rig.shaft_stiffness, "N m/rad", "k2"),
+            ("damping", rig.shaft_damping, "N m s/rad", "c2"),
+        ],
+    );
+    section("gearbox", &[("ratio", rig.gear_ratio, "1", "")]);
+    section(
+        "motor",
+        &[
+            ("inertia", rig.motor_inertia, "kg m2", ""),
+            ("resistance", rig.resistance, "Ohm", "R"),
+            ("inductance", rig.inductance, "H", ""),
+            ("torque_constant", rig.torque_constant, "N m/A", "KT"),
+            ("back_emf_constant", rig.back_emf_constant, "V s/rad", "KE"),
+            ("coulomb_torque", rig.motor_coulomb_torque, "N m", "Tfm"),
+            (
+                "viscous_damping",
+                rig.motor_viscous_damping,
+                "N m s/rad",
+                "",
+            ),
+        ],
+    );
+    if let Some(outer) = &case.outer {
+        let radius = outer.part.contact_radius;
+        text.push_str(&contact("contact1", radius, &outer.part.law, spread));
+    }
+    text.push_str(&contact(
+        "contact",
+        rig.contact_radius,
+        &case.laws.believed,
+        spread,
+    ));
+    text
+}
+
+fn contact(name: &str, radius: f64, law: &ContactLaw, spread: f64) -> String {
+    let mut text = format!(
+        "[{name}]\nradius = {{ value = {radius:?}, unit = \"m\" }}\nlaw = \"{}\"\n",
+        law.name()
+    );
+    let sigma = rounded(relative_uncertainty(crate::rig::FRICTION_LEVEL, spread));
+    for (key, value) in law_numbers(law) {
+        let _ = match key {
+            "mu_c" | "mu_s" | "a1" | "a2" => writeln!(
+                text,
+                "{key} = {{ value = {value:?}, unit = \"1\", relative_uncertainty = {sigma} }}"
+            ),
+            _ => writeln!(text, "{key} = {value:?}"),
+        };
+    }
+    text
+}
+
+/// Numbers of a law with the keys of `model.toml`.
+pub fn law_numbers(law: &ContactLaw) -> Vec<(&'static str, f64)> {
+    match law {
+        ContactLaw::Coulomb { mu_c } => vec![("mu_c", *mu_c)],
+        ContactLaw::CoulombStiction { mu_c, mu_s } => vec![("mu_c", *mu_c), ("mu_s", *mu_s)],
+        ContactLaw::Stribeck {
+            mu_c,
+            mu_s,
+            omega_s,
+        } => vec![("mu_c", *mu_c), ("mu_s", *mu_s), ("omega_s", *omega_s)],
+        ContactLaw::TwoGaussian(law) => vec![
+            ("a1", law.height[0]),
+            ("b1", law.centre[0]),
+            ("c1", law.width[0]),
+            ("a2", law.height[1]),
+            ("b2", law.centre[1]),
+            ("c2", law.width[1]),
+            ("omega_centre", law.omega_centre),
+            ("acceleration_semi_axis", law.acceleration_semi_axis),
+        ],
+        ContactLaw::Blend { other, .. } => law_numbers(other),
+    }
+}
+
+/// What the rig is and does, for whoever looks at the answers: true numbers of the contact under
+/// `contact.`, loads, speeds and what the records show.
+pub fn facts(case: &DrawnCase) -> BTreeMap<String, f64> {
+    let rig = &case.rig;
+    let mut facts: BTreeMap<String, f64> = [
+        ("natural_period", rig.period),
+        ("samples_per_period", rig.period / case.layout.interval),
+        ("learning_periods", case.layout.learning_periods),
+        ("held_out_periods", case.layout.held_out_periods),
+        ("top_speed", rig.top_speed),
+        ("middle_load", rig.middle_load),
+        ("friction_torque", rig.torque),
+        ("load_reference", rig.load_power.1),
+        ("sticking_share", case.motion.sticking),
+        ("sticking_phases", case.motion.phases as f64),
+        ("sliding_periods", case.motion.sliding),
+    ]
+    .into_iter()
+    .map(|(name, value)| (name.to_owned(), value))
+    .collect();
+    if case.motion.margin.is_finite() {
+        facts.insert("loop_margin".to_owned(), case.motion.margin);
+    }
+    for (key, value) in law_numbers(&case.truth.law) {
+        facts.insert(format!("contact.{key}"), value);
+    }
+    facts
+}
+
+/// A standard deviation to six decimals.
+fn rounded(sigma: f64) -> f64 {
+    (sigma * 1e6).round() / 1e6
+}
