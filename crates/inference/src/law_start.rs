@@ -1,22 +1,32 @@
 //! From where fits of friction laws start: the friction that the records themselves show over speed and acceleration.
 //!
-//! A fit of the analyst's model, with a free torque on the disc in every piece of a window, tells the friction coefficient
-//! at the speeds and accelerations that occur. A law's numbers follow from that scatter by ordinary least squares.
+//! Where both ends of the shaft were measured, friction is what the model at the measured state lacks of the measured
+//! acceleration. Elsewhere a fit of the analyst's model, with a free torque on the disc in every piece of a window, tells it as
+//! far as that model's motion is the measured one. A law's numbers follow from the scatter by ordinary least squares.
 
 use crate::data::{Data, reduced};
 use crate::fit::Fit;
 use crate::gram::Gram;
+use crate::hypothesis::Hypothesis;
 use crate::marginal::Disturbance;
+use crate::record::{Run, channel};
 use crate::scales::Scales;
+use crate::trace::{Motion, Traces};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use stickslip::friction::acceleration_angle;
+use stickslip::integrator::{HybridSystem, Options, Simulation};
+use stickslip::plant::{RigInputs, STATES, index};
 
 /// Most points of a scatter that a search goes over.
 const MOST_POINTS: usize = 500;
 /// Starts of Eq. 6-2 that are followed up.
-const FOLLOWED: usize = 6;
-/// Starts of Eq. 6-2 that fits begin from.
+const FOLLOWED: usize = 12;
+/// Starts of Eq. 6-2 that fits begin from in each view.
 const KEPT: usize = 3;
+/// Numbers of Eq. 6-2.
+const NUMBERS: usize = 8;
+/// Starts that differ by less, in usual changes of their numbers, are one.
+const ALIKE: f64 = 0.3;
 /// Steps of the least squares of a start.
 const STEPS: usize = 60;
 
@@ -33,73 +43,144 @@ pub struct Point {
     pub weight: f64,
 }
 
-/// What the records show of the friction.
+/// What the records show of the friction, in as many views of it as they allow.
 #[derive(Clone, Debug, Default)]
 pub struct Scatter {
-    /// The points.
-    pub points: Vec<Point>,
+    /// The views: from the measured motion, which noise blurs, and from free torques, which a motion that is not the measured
+    /// one bends.
+    pub views: Vec<Vec<Point>>,
 }
 
 impl Scatter {
     /// The friction that the records show where the disc slides under a load.
     #[must_use]
     pub fn of(data: &Data, fit: &Fit) -> Self {
-        let prior = data.scales.torque;
-        let free = Disturbance {
-            disc: prior,
-            ..Disturbance::NONE
+        let either = |run: &Run, a: usize, b: usize| run.has(a) || run.has(b);
+        let both = |run: &Run| {
+            either(run, channel::THETA, channel::OMEGA)
+                && either(run, channel::THETA3, channel::OMEGA3)
         };
-        let forms = reduced(data, &fit.starts, &fit.grams, &free);
-        let radius = fit.hypothesis.rig.contact.radius;
-        let inertia = fit.hypothesis.rig.disc.inertia;
-        let mut points = Vec::new();
-        for (gram, form) in fit.grams.iter().zip(&forms) {
-            let (Some(gram), Some(form)) = (gram, form) else {
-                continue;
-            };
-            for (column, value, deviation) in form.disturbances() {
-                let Some(place) = column
-                    .checked_sub(Gram::DISC)
-                    .and_then(|piece| gram.places.get(piece))
-                else {
-                    continue;
-                };
-                let per_coefficient = radius * place.normal_force;
-                if !place.sliding || per_coefficient <= 0.0 {
-                    continue;
-                }
-                let along = place.speed.signum();
-                let (torque, deviation) = (prior * value, prior * deviation);
-                points.push(Point {
-                    speed: place.speed.abs(),
-                    acceleration: along * (place.acceleration + torque / inertia),
-                    coefficient: (place.friction - along * torque) / per_coefficient,
-                    weight: (per_coefficient / deviation).powi(2),
-                });
-            }
-        }
-        // A few pieces that are known much better than others must not decide alone.
-        let mut weights: Vec<f64> = points.iter().map(|p| p.weight).collect();
-        weights.sort_by(f64::total_cmp);
-        let most = weights.get(weights.len() / 2).copied().unwrap_or(1.0);
-        for point in &mut points {
-            point.weight = point.weight.min(most);
-        }
-        let every = points.len().div_ceil(MOST_POINTS).max(1);
+        let of_motion = data
+            .runs
+            .iter()
+            .all(both)
+            .then(|| of_motion(data, &fit.hypothesis));
         Self {
-            points: points.into_iter().step_by(every).collect(),
+            views: of_motion
+                .into_iter()
+                .chain([of_free_torque(data, fit)])
+                .map(thinned)
+                .collect(),
         }
     }
 }
 
-/// Numbers μ_c, μ_s, ω_s of a law that falls exponentially with speed, if the scatter shows one.
+fn thinned(mut points: Vec<Point>) -> Vec<Point> {
+    // A few points that are known much better than others must not decide alone.
+    let mut weights: Vec<f64> = points.iter().map(|p| p.weight).collect();
+    weights.sort_by(f64::total_cmp);
+    let most = weights.get(weights.len() / 2).copied().unwrap_or(1.0);
+    for point in &mut points {
+        point.weight = point.weight.min(most);
+    }
+    let every = points.len().div_ceil(MOST_POINTS).max(1);
+    points.into_iter().step_by(every).collect()
+}
+
+/// Friction as what the model at the measured state lacks of the measured acceleration.
+fn of_motion(data: &Data, hypothesis: &Hypothesis) -> Vec<Point> {
+    let Ok(rig) = hypothesis.rig_at() else {
+        return Vec::new();
+    };
+    let samples: usize = data.runs.iter().map(Run::len).sum();
+    let every = samples.div_ceil(2 * MOST_POINTS).max(1);
+    let mut points = Vec::new();
+    for run in data.runs.iter() {
+        let Traces {
+            disc, gear, motion, ..
+        } = &run.traces;
+        for at in (every / 2..run.len()).step_by(every) {
+            let per_coefficient = rig.contact.radius * run.normal_force[at];
+            if motion[at] != Motion::Sliding || per_coefficient <= 0.0 {
+                continue;
+            }
+            let mut state = [0.0; STATES];
+            state[index::THETA] = disc.angle[at];
+            state[index::OMEGA] = disc.velocity[at];
+            state[index::THETA3] = gear.angle[at];
+            state[index::OMEGA3] = gear.velocity[at];
+            let inputs = RigInputs::held(run.voltage[at], run.normal_force[at], 0.0);
+            let time = run.time[at];
+            let Ok(there) = Simulation::new(rig, Options::default(), time, state, inputs) else {
+                continue;
+            };
+            let series = there.system().states(there.jet());
+            let along = disc.velocity[at].signum();
+            let lacking = rig.disc.inertia * (disc.acceleration[at] - series[index::OMEGA][1]);
+            let friction = there.jet().friction_torque_at(0.0).abs() - along * lacking;
+            points.push(Point {
+                speed: disc.velocity[at].abs(),
+                acceleration: along * disc.acceleration[at],
+                coefficient: friction / per_coefficient,
+                weight: per_coefficient * per_coefficient,
+            });
+        }
+    }
+    points
+}
+
+/// Friction from free torques beside the analyst's model.
+fn of_free_torque(data: &Data, fit: &Fit) -> Vec<Point> {
+    let prior = data.scales.torque;
+    let free = Disturbance {
+        disc: prior,
+        ..Disturbance::NONE
+    };
+    let forms = reduced(data, &fit.starts, &fit.grams, &free);
+    let radius = fit.hypothesis.rig.contact.radius;
+    let inertia = fit.hypothesis.rig.disc.inertia;
+    let mut points = Vec::new();
+    for (gram, form) in fit.grams.iter().zip(&forms) {
+        let (Some(gram), Some(form)) = (gram, form) else {
+            continue;
+        };
+        for (column, value, deviation) in form.disturbances() {
+            let Some(place) = column
+                .checked_sub(Gram::DISC)
+                .and_then(|piece| gram.places.get(piece))
+            else {
+                continue;
+            };
+            let per_coefficient = radius * place.normal_force;
+            if !place.sliding || per_coefficient <= 0.0 {
+                continue;
+            }
+            let along = place.speed.signum();
+            let (torque, deviation) = (prior * value, prior * deviation);
+            points.push(Point {
+                speed: place.speed.abs(),
+                acceleration: along * (place.acceleration + torque / inertia),
+                coefficient: (place.friction - along * torque) / per_coefficient,
+                weight: (per_coefficient / deviation).powi(2),
+            });
+        }
+    }
+    points
+}
+
+/// Numbers μ_c, μ_s, ω_s of laws that fall exponentially with speed, one for each view that shows one.
 #[must_use]
-pub fn stribeck(scatter: &Scatter, scales: &Scales) -> Option<[f64; 3]> {
+pub fn stribeck(scatter: &Scatter, scales: &Scales) -> Vec<[f64; 3]> {
+    let views = scatter.views.iter();
+    views.filter_map(|points| falling(points, scales)).collect()
+}
+
+fn falling(points: &[Point], scales: &Scales) -> Option<[f64; 3]> {
     let mut best: Option<(f64, [f64; 3])> = None;
     for share in [0.03, 0.06, 0.1, 0.17, 0.3, 0.5, 0.8] {
         let omega_s = share * scales.speed;
         let curve = |p: &Point| [1.0, (-p.speed / omega_s).exp()];
-        let Some((level, left)) = linear(scatter, curve) else {
+        let Some((level, left)) = linear(points, curve) else {
             continue;
         };
         let (mu_c, mu_s) = (level[0], level[0] + level[1]);
@@ -111,11 +192,11 @@ pub fn stribeck(scatter: &Scatter, scales: &Scales) -> Option<[f64; 3]> {
 }
 
 /// The two coefficients of least squares, and the weighted sum of squares left.
-fn linear(scatter: &Scatter, curve: impl Fn(&Point) -> [f64; 2]) -> Option<(Vector2<f64>, f64)> {
+fn linear(points: &[Point], curve: impl Fn(&Point) -> [f64; 2]) -> Option<(Vector2<f64>, f64)> {
     let mut moments = Matrix2::<f64>::zeros();
     let mut right = Vector2::<f64>::zeros();
     let mut square = 0.0;
-    for p in &scatter.points {
+    for p in points {
         let row = Vector2::from(curve(p));
         moments += p.weight * row * row.transpose();
         right += p.weight * p.coefficient * row;
@@ -128,10 +209,15 @@ fn linear(scatter: &Scatter, curve: impl Fn(&Point) -> [f64; 2]) -> Option<(Vect
     Some((solved, square - right.dot(&solved)))
 }
 
-/// Sets of the eight numbers of Eq. 6-2 that follow the scatter, the best first.
+/// Sets of the eight numbers of Eq. 6-2 that follow the views of a scatter, for each the best first.
 #[must_use]
 pub fn hysteresis(scatter: &Scatter, scales: &Scales) -> Vec<[f64; 8]> {
-    if scatter.points.len() < 16 {
+    let views = scatter.views.iter();
+    views.flat_map(|points| following(points, scales)).collect()
+}
+
+fn following(points: &[Point], scales: &Scales) -> Vec<[f64; 8]> {
+    if points.len() < 2 * NUMBERS {
         return Vec::new();
     }
     let mut coarse: Vec<(f64, [f64; 8])> = Vec::new();
@@ -139,8 +225,7 @@ pub fn hysteresis(scatter: &Scatter, scales: &Scales) -> Vec<[f64; 8]> {
     for centre in [0.3, 0.5, 0.7, 0.9] {
         for semi_axis in [0.4, 0.8, 1.6] {
             let (centre, semi_axis) = (centre * scales.speed, semi_axis * scales.acceleration);
-            let angles: Vec<f64> = scatter
-                .points
+            let angles: Vec<f64> = points
                 .iter()
                 .map(|p| acceleration_angle(p.speed, p.acceleration, centre, semi_axis))
                 .collect();
@@ -151,7 +236,7 @@ pub fn hysteresis(scatter: &Scatter, scales: &Scales) -> Vec<[f64; 8]> {
                         let mut moments = Matrix2::<f64>::zeros();
                         let mut right = Vector2::<f64>::zeros();
                         let mut square = 0.0;
-                        for p in &scatter.points {
+                        for p in points {
                             let alpha = at.next().copied().unwrap_or(0.0);
                             let row = Vector2::new(bell(alpha, b1, c1), bell(alpha, b2, c2));
                             moments += p.weight * row * row.transpose();
@@ -187,11 +272,36 @@ pub fn hysteresis(scatter: &Scatter, scales: &Scales) -> Vec<[f64; 8]> {
     }
     let mut refined: Vec<(f64, [f64; 8])> = followed
         .into_iter()
-        .map(|(_, numbers)| least_squares(scatter, numbers, scales))
+        .map(|(_, numbers)| least_squares(points, numbers, scales))
         .collect();
     refined.sort_by(|a, b| a.0.total_cmp(&b.0));
-    refined.truncate(KEPT);
-    refined.into_iter().map(|(_, numbers)| numbers).collect()
+    let mut kept: Vec<[f64; 8]> = Vec::new();
+    for (_, numbers) in refined {
+        let alike = |other: &[f64; 8]| {
+            let sizes = sizes(scales);
+            let apart = (0..8).map(|j| ((other[j] - numbers[j]) / sizes[j]).abs());
+            apart.fold(0.0, f64::max) < ALIKE
+        };
+        if kept.len() < KEPT && !kept.iter().any(alike) {
+            kept.push(numbers);
+        }
+    }
+    kept
+}
+
+/// How much each of the eight numbers may well change.
+fn sizes(scales: &Scales) -> [f64; 8] {
+    let coefficient = scales.coefficient;
+    [
+        coefficient,
+        1.0,
+        1.0,
+        coefficient,
+        1.0,
+        1.0,
+        scales.speed,
+        scales.acceleration,
+    ]
 }
 
 fn bell(alpha: f64, peak: f64, width: f64) -> f64 {
@@ -205,24 +315,28 @@ fn level(numbers: &[f64; 8], p: &Point) -> f64 {
         + numbers[3] * bell(alpha, numbers[4], numbers[5])
 }
 
+/// The median of the weighted squares of what a set of numbers leaves.
+fn spread(points: &[Point], numbers: &[f64; 8]) -> f64 {
+    let mut squares: Vec<f64> = points
+        .iter()
+        .map(|p| p.weight * (p.coefficient - level(numbers, p)).powi(2))
+        .collect();
+    squares.sort_by(f64::total_cmp);
+    squares[squares.len() / 2].max(f64::MIN_POSITIVE)
+}
+
 /// Levenberg–Marquardt steps from a coarse set of numbers, with the sum of squares in the end.
-fn least_squares(scatter: &Scatter, start: [f64; 8], scales: &Scales) -> (f64, [f64; 8]) {
-    let coefficient = scales.coefficient;
-    let sizes = [
-        coefficient,
-        1.0,
-        1.0,
-        coefficient,
-        1.0,
-        1.0,
-        scales.speed,
-        scales.acceleration,
-    ];
+fn least_squares(points: &[Point], start: [f64; 8], scales: &Scales) -> (f64, [f64; 8]) {
+    let sizes = sizes(scales);
+    let spread = spread(points, &start);
+    // Where friction changes faster than readings can be smoothed, points are far off: they count less.
     let square = |numbers: &[f64; 8]| -> f64 {
-        scatter
-            .points
+        points
             .iter()
-            .map(|p| p.weight * (p.coefficient - level(numbers, p)).powi(2))
+            .map(|p| {
+                spread
+                    * (1.0 + p.weight * (p.coefficient - level(numbers, p)).powi(2) / spread).ln()
+            })
             .sum()
     };
     let mut numbers = start;
@@ -231,7 +345,7 @@ fn least_squares(scatter: &Scatter, start: [f64; 8], scales: &Scales) -> (f64, [
     for _ in 0..STEPS {
         let mut curvature = SMatrix::<f64, 8, 8>::zeros();
         let mut gradient = SVector::<f64, 8>::zeros();
-        for p in &scatter.points {
+        for p in points {
             let here = level(&numbers, p);
             let mut row = SVector::<f64, 8>::zeros();
             for j in 0..8 {
@@ -239,8 +353,10 @@ fn least_squares(scatter: &Scatter, start: [f64; 8], scales: &Scales) -> (f64, [
                 moved[j] += 1e-5 * sizes[j];
                 row[j] = (level(&moved, p) - here) / 1e-5;
             }
-            curvature += p.weight * row * row.transpose();
-            gradient += p.weight * (p.coefficient - here) * row;
+            let off = p.coefficient - here;
+            let weight = p.weight / (1.0 + p.weight * off * off / spread);
+            curvature += weight * row * row.transpose();
+            gradient += weight * off * row;
         }
         for j in 0..8 {
             curvature[(j, j)] *= 1.0 + damping;

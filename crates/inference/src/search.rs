@@ -30,8 +30,10 @@ const NEARLY: f64 = -40.0;
 const RIVALS: usize = 3;
 /// Windows that suffice for the first looks.
 const LOOK_WINDOWS: usize = 80;
-/// How many starts are followed, and for how many steps each, before the next fewer.
-const ROUNDS: [(usize, usize); 3] = [(14, 2), (7, 3), (4, 0)];
+/// How many starts are followed for each that may be of one effect.
+const SHARE_OF_ONE: usize = 3;
+/// How many starts are followed, a third of them at most of one effect, and for how many steps each, before the next fewer.
+const ROUNDS: [(usize, usize); 4] = [(18, 2), (9, 3), (6, NEAR_STEPS), (4, 0)];
 
 /// A set of effects, fitted.
 #[derive(Clone, Debug)]
@@ -173,6 +175,12 @@ fn explore(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnM
                 }
             }
         }
+        for larger in stand_ins(&current, known) {
+            let extra = |name: &&&'static str| !current.effects.contains(*name);
+            if let Some(left_out) = larger.effects.iter().find(extra) {
+                remove(problem, &larger, left_out, known, progress);
+            }
+        }
         share_starts(problem, known);
         best_first(known);
         if expanded.contains(&known[0].effects) {
@@ -180,6 +188,25 @@ fn explore(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnM
         }
         current = known[0].clone();
     }
+}
+
+/// Sets of one effect more than `current` that explain more but are no answer, since that effect changes next to nothing or ends
+/// its range: what they explain, the numbers of the others may explain as well once they are free to get there.
+fn stand_ins(current: &Candidate, known: &[Candidate]) -> Vec<Candidate> {
+    known
+        .iter()
+        .filter(|larger| {
+            larger.effects.len() == current.effects.len() + 1
+                && !current.effects.is_empty()
+                && current
+                    .effects
+                    .iter()
+                    .all(|name| larger.effects.contains(name))
+                && larger.score() == f64::NEG_INFINITY
+                && larger.evidence > current.evidence
+        })
+        .cloned()
+        .collect()
 }
 
 /// Sorts sets by their scores, and puts before them the one that none of fewer effects comes near.
@@ -600,7 +627,7 @@ fn followed(
                 .iter()
                 .filter(|other| other.effect.name == look.effect.name)
                 .count();
-            if kept.len() < most && twins < if steps > 2 || steps == 0 { 1 } else { 2 } {
+            if kept.len() < most && twins < most / SHARE_OF_ONE {
                 kept.push(look);
             }
         }

@@ -18,10 +18,12 @@ use super::catalogue::CATALOGUE;
 use super::input_check::{note_on_inputs, same};
 use super::load_cell::denoise;
 use super::record_check::{Checked, RecordProblem, check, natural_period};
+use super::record_part::{Part, PartError};
+use super::rig_columns::{ColumnsError, RigColumns, about};
 use super::sensors::{SensorError, Sensors, described, in_the_middle};
 use super::uncertainty::{UncertaintyError, uncertainties};
 use crate::component::closest;
-use crate::files::record::{Missing, Record, RecordError};
+use crate::files::record::Record;
 
 /// Names of a case's files in its directory.
 pub const MODEL_FILE: &str = "model.toml";
@@ -33,16 +35,16 @@ const SHORTEST: f64 = 3.0;
 /// Where a case's files are.
 #[derive(Debug, Clone, Default, Args)]
 pub struct CaseArguments {
-    /// Directory with model.toml, run-*.csv, held-out.csv and, if need be, sensors.toml.
+    /// Directory with model.toml, run-*.csv and, if need be, held-out.csv and sensors.toml.
     #[arg(conflicts_with_all = ["model", "records", "held_out"], required_unless_present = "model")]
     pub case: Option<PathBuf>,
     /// The model that the analyst believes.
-    #[arg(long, value_name = "FILE", requires_all = ["records", "held_out"])]
+    #[arg(long, value_name = "FILE", requires = "records")]
     pub model: Option<PathBuf>,
-    /// Records to learn from.
+    /// Records to learn from, whole or from one time to another: FILE@FROM:TO, in seconds.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub records: Vec<PathBuf>,
-    /// Record to judge on; never fitted to.
+    /// Record to judge on; never fitted to. Without it the last record is held out, or the last quarter of a single one.
     #[arg(long, value_name = "FILE")]
     pub held_out: Option<PathBuf>,
     /// Steps and noise of the instruments; without it they are estimated from the records.
@@ -110,9 +112,12 @@ pub enum CaseError {
     /// The sensor file is wrong.
     #[error(transparent)]
     Sensors(#[from] SensorError),
-    /// A record is no record.
+    /// A record cannot be read, or its columns are not those of a rig.
     #[error(transparent)]
-    Record(#[from] RecordError),
+    Columns(#[from] ColumnsError),
+    /// A part of a file is none.
+    #[error(transparent)]
+    Part(#[from] PartError),
     /// A record cannot be used.
     #[error(transparent)]
     Problem(#[from] RecordProblem),
@@ -168,19 +173,30 @@ impl CaseArguments {
         for name in &self.without {
             check_effect(name)?;
         }
-        let (model_path, record_paths, held_out_path) = self.paths()?;
-        let model_text = read(&model_path)?;
+        let (model_path, mut parts, mut held_out_part) = self.paths()?;
         let model_name = model_path.display().to_string();
+        let (columns, model_text) = RigColumns::split_off(&read(&model_path)?, &model_name)?;
         let model = ModelFile::parse(&model_text, &model_name)?;
         if model.rig.kind() != RigKind::Reduced {
             return Err(CaseError::FullRig { file: model_name });
         }
         let (uncertainties, assumed) = uncertainties(&model, &model_name)?;
         let mut notes: Vec<String> = assumed.into_iter().collect();
+        let mut said = Vec::new();
         let mut read_records = Vec::new();
         let mut runs = Vec::new();
-        for path in &record_paths {
-            let record = Record::read_with(path, Missing::KeepAsNan)?;
+        if held_out_part.is_none() && parts.len() > 1 {
+            held_out_part = parts.pop();
+            if let Some(part) = &held_out_part {
+                notes.push(format!(
+                    "no record to judge on is given: the last one is held out, {}",
+                    part.path.display()
+                ));
+            }
+        }
+        for part in &parts {
+            let (record, what) = columns.read(part)?;
+            said.push((record.source().to_owned(), what));
             if let Some(earlier) = read_records.iter().find(|earlier| same(earlier, &record)) {
                 return Err(CaseError::Twice {
                     record: record.source().to_owned(),
@@ -189,7 +205,20 @@ impl CaseArguments {
             }
             read_records.push(record);
         }
-        let held_out_record = Record::read_with(&held_out_path, Missing::KeepAsNan)?;
+        let held_out_record = match &held_out_part {
+            Some(part) => {
+                let (record, what) = columns.read(part)?;
+                said.push((record.source().to_owned(), what));
+                record
+            }
+            None => {
+                let (learned, held_out, note) = last_quarter(&read_records[0]);
+                notes.push(note);
+                read_records = vec![learned];
+                held_out
+            }
+        };
+        notes.extend(about(&said));
         let stated = self.sensors()?;
         let checked = |record: &Record| -> Result<Checked, CaseError> {
             let checked = check(record, &model.rig)?;
@@ -273,12 +302,16 @@ impl CaseArguments {
         })
     }
 
-    fn paths(&self) -> Result<(PathBuf, Vec<PathBuf>, PathBuf), CaseError> {
-        match (&self.case, &self.model, &self.held_out) {
-            (None, Some(model), Some(held_out)) => {
-                Ok((model.clone(), self.records.clone(), held_out.clone()))
+    /// The model file, the records to learn from, and the one to judge on where it is given.
+    fn paths(&self) -> Result<(PathBuf, Vec<Part>, Option<Part>), CaseError> {
+        match (&self.case, &self.model) {
+            (None, Some(model)) => {
+                let records: Result<Vec<Part>, PartError> =
+                    self.records.iter().map(|path| Part::parse(path)).collect();
+                let held_out = self.held_out.as_deref().map(Part::parse).transpose()?;
+                Ok((model.clone(), records?, held_out))
             }
-            (case, _, _) => {
+            (case, _) => {
                 let directory = case.clone().unwrap_or_default();
                 let entries = fs::read_dir(&directory).map_err(|source| CaseError::Read {
                     path: directory.clone(),
@@ -296,10 +329,11 @@ impl CaseArguments {
                 if records.is_empty() {
                     return Err(CaseError::NoRecords { path: directory });
                 }
+                let held_out = directory.join(HELD_OUT_FILE);
                 Ok((
                     directory.join(MODEL_FILE),
-                    records,
-                    directory.join(HELD_OUT_FILE),
+                    records.into_iter().map(Part::whole).collect(),
+                    held_out.is_file().then(|| Part::whole(held_out)),
                 ))
             }
         }
@@ -427,6 +461,19 @@ fn file_name(path: &Path) -> String {
         || path.display().to_string(),
         |name| name.to_string_lossy().into_owned(),
     )
+}
+
+/// A record but for its last quarter, that quarter, and what is said about it.
+fn last_quarter(record: &Record) -> (Record, Record, String) {
+    let time = record.time();
+    let (first, last) = (time[0], time[time.len() - 1]);
+    let cut = first + 0.75 * (last - first);
+    let note = format!(
+        "no record to judge on is given: the last quarter of {} is held out, from {cut:.3} s on",
+        record.source()
+    );
+    let (learned, held_out) = (record.window(first, cut), record.window(cut, f64::INFINITY));
+    (learned, held_out, note)
 }
 
 fn stretches(checked: &Checked) -> Vec<RawRecord> {

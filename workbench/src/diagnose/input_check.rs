@@ -4,12 +4,15 @@ use std::collections::BTreeSet;
 
 use inference::record::RawRecord;
 
+use super::record_check::{COLUMNS, INPUTS};
 use crate::files::record::Record;
 
 /// Share of readings in common from which on two records are one measurement.
 const IN_COMMON: f64 = 0.2;
+/// Rows in succession that are compared as one: a single row of rounded angles may repeat by chance, several hardly do.
+const IN_SUCCESSION: usize = 8;
 
-/// Whether two records are one measurement, or parts of one: readings of the same moment agree to the last digit, and
+/// Whether two records are one measurement, or parts of one: readings of the same moments agree to the last digit, and
 /// noise does not repeat. Rows at rest are left out, since without noise they are all alike.
 pub fn same(left: &Record, right: &Record) -> bool {
     let (left, right) = (readings(left), readings(right));
@@ -22,21 +25,18 @@ pub fn same(left: &Record, right: &Record) -> bool {
     common as f64 > IN_COMMON * fewer.len() as f64
 }
 
-/// The different rows of readings with motion, bit by bit; 0 for a column that was not measured.
-fn readings(record: &Record) -> BTreeSet<[u64; 4]> {
-    let columns = ["theta", "theta_dot", "theta3", "theta3_dot"].map(|name| record.column(name));
-    let is_there = |column: &&Option<&[f64]>| column.is_some();
-    if columns.iter().filter(is_there).count() == 0 {
-        return BTreeSet::new();
-    }
-    (0..record.len())
-        .map(|row| columns.map(|column| column.map_or(0.0, |column| column[row])))
-        .filter(|row| {
-            row.iter()
-                .zip(&columns)
-                .all(|(value, column)| column.is_none() || *value != 0.0)
-        })
-        .map(|row| row.map(f64::to_bits))
+/// The different successions of rows with motion, bit by bit; 0 for a column that was not measured.
+fn readings(record: &Record) -> BTreeSet<Vec<u64>> {
+    let columns = COLUMNS.map(|name| record.column(name));
+    let motion = &columns[INPUTS..];
+    let moves = |row: usize| motion.iter().flatten().all(|column| column[row] != 0.0);
+    let rows: Vec<[u64; COLUMNS.len()]> = (0..record.len())
+        .filter(|row| motion.iter().any(Option::is_some) && moves(*row))
+        .map(|row| columns.map(|column| column.map_or(0, |column| column[row].to_bits())))
+        .collect();
+    rows.windows(IN_SUCCESSION)
+        .map(<[_]>::as_flattened)
+        .map(<[u64]>::to_vec)
         .collect()
 }
 

@@ -11,6 +11,7 @@ use super::model_file::{SmallModel, SmallModelError};
 use super::motion::{Measured, Motion, Scales, root_mean_square};
 use super::unit::Kind;
 use crate::diagnose::case::{CaseArguments, MODEL_FILE};
+use crate::diagnose::record_part::{Part, PartError};
 use crate::files::record::{Missing, Record, RecordError};
 
 /// Least length of all records to learn from together [s].
@@ -78,17 +79,12 @@ pub enum SmallCaseError {
         /// What is wrong and what would be right.
         what: String,
     },
+    /// A part of a file that is none.
+    #[error(transparent)]
+    Part(#[from] PartError),
     /// The command line.
     #[error("{0}")]
     Usage(String),
-}
-
-/// A file with the part of it that is meant.
-#[derive(Debug, Clone, PartialEq)]
-struct Part {
-    path: PathBuf,
-    /// From and to [s], in the file's own time.
-    span: Option<(f64, f64)>,
 }
 
 /// The model file that the arguments name.
@@ -205,10 +201,9 @@ fn parts(arguments: &CaseArguments) -> Result<(Vec<Part>, Part), SmallCaseError>
                 directory.display()
             )));
         }
-        let whole = |path: PathBuf| Part { path, span: None };
         return Ok((
-            records.into_iter().map(whole).collect(),
-            whole(directory.join("held-out.csv")),
+            records.into_iter().map(Part::whole).collect(),
+            Part::whole(directory.join("held-out.csv")),
         ));
     }
     let Some(held_out) = &arguments.held_out else {
@@ -216,32 +211,12 @@ fn parts(arguments: &CaseArguments) -> Result<(Vec<Part>, Part), SmallCaseError>
             "--held-out FILE is needed".to_owned(),
         ));
     };
-    let records: Result<Vec<Part>, _> = arguments.records.iter().map(|path| part(path)).collect();
-    Ok((records?, part(held_out)?))
-}
-
-/// `FILE` or `FILE@FROM:TO` with times in seconds.
-fn part(path: &FilePath) -> Result<Part, SmallCaseError> {
-    let text = path.to_string_lossy();
-    let whole = Part {
-        path: path.to_owned(),
-        span: None,
-    };
-    let Some((file, span)) = text.rsplit_once('@').filter(|_| !path.exists()) else {
-        return Ok(whole);
-    };
-    let ends: Option<(f64, f64)> = span
-        .split_once(':')
-        .and_then(|(from, to)| Some((from.parse().ok()?, to.parse().ok()?)));
-    match ends {
-        Some((from, to)) if from < to => Ok(Part {
-            path: PathBuf::from(file),
-            span: Some((from, to)),
-        }),
-        _ => Err(SmallCaseError::Usage(format!(
-            "{text}: what stands after @ must be FROM:TO in seconds, such as {file}@31:40"
-        ))),
-    }
+    let records: Result<Vec<Part>, _> = arguments
+        .records
+        .iter()
+        .map(|path| Part::parse(path))
+        .collect();
+    Ok((records?, Part::parse(held_out)?))
 }
 
 fn read(part: &Part, model: &SmallModel) -> Result<Motion, SmallCaseError> {

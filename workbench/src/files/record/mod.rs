@@ -6,9 +6,11 @@ use std::path::Path;
 
 use super::atomic;
 
+mod dialect;
 mod error;
 mod parse;
 
+pub use dialect::{decode, with_commas};
 pub use error::RecordError;
 
 /// A record: sample times and one series of equal length per named variable.
@@ -192,6 +194,19 @@ impl Record {
                 .collect::<Vec<_>>()
                 .join(", "),
         })
+    }
+
+    /// Multiplies a column, or `time`, by a positive or negative factor; a column that is not there stays so.
+    pub(crate) fn convert(&mut self, name: &str, factor: f64) {
+        let values = if name == "time" {
+            Some(&mut self.time)
+        } else {
+            let own = self.columns.iter_mut().find(|column| column.name == name);
+            own.map(|column| &mut column.values)
+        };
+        for value in values.into_iter().flatten() {
+            *value *= factor;
+        }
     }
 
     /// Median of the sampling steps [s]; NaN with fewer than two samples.
