@@ -5,7 +5,6 @@
 
 use crate::data::{Data, reduced};
 use crate::fit::Fit;
-use crate::gram::Gram;
 use crate::marginal::Disturbance;
 use crate::scales::Scales;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
@@ -59,7 +58,7 @@ impl Scatter {
             };
             for (column, value, deviation) in form.disturbances() {
                 let Some(place) = column
-                    .checked_sub(Gram::DISC)
+                    .checked_sub(gram.disc())
                     .and_then(|piece| gram.places.get(piece))
                 else {
                     continue;
