@@ -111,6 +111,7 @@ pub fn window_gram<const N: usize>(
     let samples = window.last - window.first;
     let pieces = samples.div_ceil(per_piece);
     let starts = starts_of(rig);
+    let is_full = rig.outer.is_some();
     let columns = starts + 2 * pieces + free + 1;
     let mut products = DMatrix::zeros(columns, columns);
     // Derivatives of the present piece's start with respect to all columns but the residual's.
@@ -167,8 +168,10 @@ pub fn window_gram<const N: usize>(
                 emit(sample, channel::THETA3, at(index::THETA3));
                 emit(sample, channel::OMEGA3, at(index::OMEGA3));
                 emit(sample, channel::CURRENT, at(index::CURRENT));
-                emit(sample, channel::THETA1, at(index::THETA1));
-                emit(sample, channel::OMEGA1, at(index::OMEGA1));
+                if is_full {
+                    emit(sample, channel::THETA1, at(index::THETA1));
+                    emit(sample, channel::OMEGA1, at(index::OMEGA1));
+                }
             }
             loop {
                 let last_one = is_last && sample + 1 == to;
@@ -192,8 +195,10 @@ pub fn window_gram<const N: usize>(
                 emit(sample + 1, channel::THETA3, at(index::THETA3));
                 emit(sample + 1, channel::OMEGA3, at(index::OMEGA3));
                 emit(sample + 1, channel::CURRENT, at(index::CURRENT));
-                emit(sample + 1, channel::THETA1, at(index::THETA1));
-                emit(sample + 1, channel::OMEGA1, at(index::OMEGA1));
+                if is_full {
+                    emit(sample + 1, channel::THETA1, at(index::THETA1));
+                    emit(sample + 1, channel::OMEGA1, at(index::OMEGA1));
+                }
             }
             if sample == from + (to - from) / 2 {
                 places.push(place(scales, &simulation, run, sample, end));
