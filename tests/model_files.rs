@@ -6,7 +6,9 @@ mod common;
 
 use common::{LAWS, rig_text};
 use std::path::Path;
-use stickslip::plant::{EFFECT_NAMES, Effects, ModelFile, ModelFileError, Rig, RigKind};
+use stickslip::plant::{
+    EFFECT_NAMES, ModelFile, ModelFileError, OUTER_EFFECT_NAMES, Rig, RigKind, effect_infos,
+};
 
 const TWO_GAUSSIAN: &str = include_str!("../modelDescription/reduced-rig-two-gaussian.toml");
 
@@ -60,21 +62,39 @@ fn every_law_and_effect_survives_a_round_trip() {
             assert_eq!(model, again, "{}", law.0);
         }
     }
-    for name in EFFECT_NAMES {
+    for name in EFFECT_NAMES.iter().chain(OUTER_EFFECT_NAMES) {
         let mut section = format!("[{name}]\n");
-        for info in Effects::<f64>::infos(name).unwrap() {
+        for info in effect_infos(name).unwrap() {
             let value = [0.013, 1.0, 0.5]
                 .into_iter()
                 .find(|value| info.range.contains(*value))
                 .unwrap();
             section += &format!("{} = {value}\n", info.key);
         }
-        let text = rig_text(false, common::law("coulomb"), &section);
+        let is_outer = OUTER_EFFECT_NAMES.contains(name);
+        let text = rig_text(is_outer, common::law("coulomb"), &section);
         let model = ModelFile::parse(&text, name).unwrap();
         let again = ModelFile::parse(&model.to_toml(), name).unwrap();
         assert_eq!(model, again, "{name}");
-        assert_eq!(model.rig.effects.active()[0].0, *name);
+        let outer = model.rig.outer.iter();
+        let mut active = outer.flat_map(|outer| outer.effects.active());
+        let first = model.rig.effects.active().first().copied();
+        assert_eq!(first.or_else(|| active.next()).unwrap().0, *name);
     }
+}
+
+#[test]
+fn a_rig_without_disc_d1_has_no_effects_on_it() {
+    let text = rig_text(
+        false,
+        common::law("coulomb"),
+        "[viscous_drag1]\ncoefficient = 0.01\n",
+    );
+    let error = ModelFile::parse(&text, "model.toml").unwrap_err();
+    assert!(
+        matches!(error, ModelFileError::UnknownSection { .. }),
+        "{error}"
+    );
 }
 
 #[test]

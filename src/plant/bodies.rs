@@ -1,6 +1,7 @@
 //! The rig with its effects: the recurrences order by order, and a pin contact in any of its modes.
 
 use super::bristle::{follow_bristle, stuck_order};
+use super::effect_series::OnDisc;
 use super::index::{BRISTLE, BRISTLE1, CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
 use super::jet::{PinJet, RigJet};
 use super::load::MINUTE;
@@ -28,6 +29,10 @@ pub(super) struct Bodies<'a, S> {
     pub disc_slip: SlipTemplate<'a, S>,
     pub disc1_slip: Option<SlipTemplate<'a, S>>,
     pub disturbances: [S; 2],
+    pub on_disc: OnDisc<'a, S>,
+    pub on_disc1: Option<OnDisc<'a, S>>,
+    /// Whether an effect depends on the angle of D2 alone.
+    turns: bool,
 }
 
 /// What does not change in the course of a segment of one pin contact.
@@ -55,7 +60,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         let bearing = effects.bearing_friction.map_or(S::ZERO, |b| b.torque);
         Self {
             rig,
-            has_effects: effects.act_on_motion(),
+            has_effects: rig.act_on_motion(),
             inverse_motor_inertia: one / motor_inertia,
             inverse_inductance: one / rig.motor.inductance,
             ratio,
@@ -81,6 +86,19 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                     .map_or(S::ZERO, |outer| outer.law.band().1),
             ],
             disturbances: [inputs.disc_torque, inputs.motor_torque],
+            on_disc: OnDisc {
+                unbalance: effects.unbalance.as_ref(),
+                viscous_drag: effects.viscous_drag.as_ref(),
+                quadratic_drag: effects.quadratic_drag.as_ref(),
+                has_bristles: effects.presliding.is_some(),
+            },
+            on_disc1: rig.outer.as_ref().map(|outer| OnDisc {
+                unbalance: outer.effects.unbalance1.as_ref(),
+                viscous_drag: outer.effects.viscous_drag1.as_ref(),
+                quadratic_drag: outer.effects.quadratic_drag1.as_ref(),
+                has_bristles: effects.presliding.is_some(),
+            }),
+            turns: effects.unbalance.is_some() || effects.normal_force_wobble.is_some(),
             disc_slip: SlipTemplate {
                 law: &rig.law,
                 inertia: rig.disc.inertia,
@@ -93,7 +111,10 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 law: &outer.law,
                 inertia: outer.disc.inertia,
                 inverse_inertia: one / outer.disc.inertia,
-                constant_torque: S::ZERO,
+                constant_torque: outer
+                    .effects
+                    .bearing_friction1
+                    .map_or(S::ZERO, |bearing| bearing.torque),
                 near: mode.near[1],
                 folded: mode.folded[1],
             }),
@@ -131,6 +152,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         shaft_torque += rig.shaft.stiffness * twist;
 
         let mut on_disc = S::ZERO;
+        let mut on_disc1 = S::ZERO;
         let mut on_motor = S::ZERO;
         let mut voltage = jet.voltage[k];
         let mut resistance_drop = rig.motor.resistance * x[CURRENT][k];
@@ -141,7 +163,14 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 if mode.coupling != Coupling::Free {
                     shaft_torque += extra;
                 }
-                on_disc = self.effect_disc_torque(k, mode, x, work);
+                let motion = (&x[THETA], &x[OMEGA]);
+                let turn = self.turns.then_some(&mut work.turn);
+                on_disc = self.on_disc.torque(k, mode.disc, motion, turn);
+                if let Some(on_outer) = &self.on_disc1 {
+                    let motion = (&x[THETA1], &x[OMEGA1]);
+                    let turn = work.turn1.as_deref_mut();
+                    on_disc1 = on_outer.torque(k, mode.disc1, motion, turn);
+                }
                 on_motor = self.effect_motor_torque(k, x, work);
                 if varying {
                     self.effect_load(k, time, x, &mut jet.disc.load, work);
@@ -170,6 +199,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
             let outer_torque = outer.shaft.stiffness * (x[THETA1][k] - x[THETA][k])
                 + outer.shaft.damping * (x[OMEGA1][k] - x[OMEGA][k]);
             resisting -= outer_torque;
+            let outer_resisting = outer_torque - on_disc1;
             let acceleration = match presliding {
                 Some(bristle) if mode.disc1.is_stuck() => {
                     let moved = (x[BRISTLE1][k], x[OMEGA1][k]);
@@ -177,7 +207,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                         k,
                         bristle,
                         moved,
-                        outer_torque,
+                        outer_resisting,
                         self.breakaway[1],
                         template,
                         pin,
@@ -186,7 +216,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 _ => contact_order(
                     k,
                     mode.disc1,
-                    outer_torque,
+                    outer_resisting,
                     self.breakaway[1],
                     self.decay[1],
                     template,

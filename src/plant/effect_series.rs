@@ -1,9 +1,9 @@
 //! What the effects add to the torques and to the load, order by order.
 
 use super::bodies::Bodies;
-use super::index::{OMEGA, RELAXING_TORQUE, THETA, THETA3};
-use super::jet::EffectJet;
-use super::{RigMode, STATES};
+use super::index::{RELAXING_TORQUE, THETA, THETA3};
+use super::jet::{EffectJet, TurnJet};
+use super::{QuadraticDrag, STATES, Unbalance, ViscousDrag};
 use crate::friction::{ContactMode, HARMONICS, RandomFunction};
 use crate::series::{RECIPROCAL, Scalar, Series, convolution, cosine_sine};
 
@@ -29,45 +29,6 @@ impl<S: Scalar> Bodies<'_, S> {
             x[RELAXING_TORQUE][next] = (hysteresis.stiffness * twist_rate
                 - relaxing / hysteresis.relaxation_time)
                 * per_next;
-        }
-        torque
-    }
-
-    pub fn effect_disc_torque(
-        &self,
-        k: usize,
-        mode: &RigMode,
-        x: &[Series<S>; STATES],
-        work: &mut EffectJet<S>,
-    ) -> S {
-        let effects = &self.rig.effects;
-        if effects.unbalance.is_some() || effects.normal_force_wobble.is_some() {
-            work.weighted_angle[k] = x[THETA][k] * k as f64;
-            let (c, s) = if k == 0 {
-                let (s, c) = x[THETA][0].sin_cos();
-                (c, s)
-            } else {
-                cosine_sine(k, &work.weighted_angle, &work.cosine, &work.sine)
-            };
-            (work.cosine[k], work.sine[k]) = (c, s);
-        }
-        let mut torque = S::ZERO;
-        if let Some(unbalance) = &effects.unbalance {
-            let (sin, cos) = unbalance.phase.sin_cos();
-            torque -= unbalance.torque * (work.cosine[k] * cos + work.sine[k] * sin);
-        }
-        if let Some(drag) = &effects.viscous_drag {
-            torque -= drag.coefficient * x[OMEGA][k];
-        }
-        let moving = match mode.disc {
-            ContactMode::Slipping(direction, _) => Some(direction),
-            // Bristles that give way do so against the disc's motion.
-            ContactMode::Breaking(direction) if effects.presliding.is_none() => Some(direction),
-            ContactMode::Breaking(_) | ContactMode::Stuck => None,
-        };
-        if let (Some(drag), Some(direction)) = (&effects.quadratic_drag, moving) {
-            let square = convolution(&x[OMEGA][..=k], &x[OMEGA][..=k]);
-            torque -= drag.coefficient * square * direction.sign();
         }
         torque
     }
@@ -113,20 +74,21 @@ impl<S: Scalar> Bodies<'_, S> {
         let wobble = effects.normal_force_wobble.as_ref();
         if let Some(wobble) = wobble.filter(|_| !self.rig.law.is_torque()) {
             let (sin, cos) = wobble.phase.sin_cos();
-            work.factor[k] = one + wobble.amplitude * (work.cosine[k] * cos + work.sine[k] * sin);
+            work.factor[k] =
+                one + wobble.amplitude * (work.turn.cosine[k] * cos + work.turn.sine[k] * sin);
             coefficient = convolution(&work.base_load[..=k], &work.factor[..=k]);
         }
         if let Some(position) = &effects.position_friction {
             // The load so far must be kept as a series to be multiplied again.
             work.scratch[k] = coefficient;
-            work.weighted_angle[k] = x[THETA][k] * k as f64;
+            work.turn.weighted_angle[k] = x[THETA][k] * k as f64;
             let (c, s) = if k == 0 {
                 let (s, c) = (x[THETA][0] * 2.0 - position.phase).sin_cos();
                 (c, s)
             } else {
                 let (c, s) = cosine_sine(
                     k,
-                    &work.weighted_angle,
+                    &work.turn.weighted_angle,
                     &work.second_cosine,
                     &work.second_sine,
                 );
@@ -145,6 +107,57 @@ impl<S: Scalar> Bodies<'_, S> {
             coefficient = convolution(&work.steady_load[..=k], &work.noise[..=k]);
         }
         load[k] = coefficient;
+    }
+}
+
+/// What acts on one disc beside its shafts and its pin.
+pub(super) struct OnDisc<'a, S> {
+    pub unbalance: Option<&'a Unbalance<S>>,
+    pub viscous_drag: Option<&'a ViscousDrag<S>>,
+    pub quadratic_drag: Option<&'a QuadraticDrag<S>>,
+    /// Whether bristles that give way do so against the disc's motion.
+    pub has_bristles: bool,
+}
+
+impl<S: Scalar> OnDisc<'_, S> {
+    /// Coefficient `k` of the torque on a disc with this motion; cosine and sine of its angle are left in `turn`, which is
+    /// there if anything depends on them.
+    #[inline]
+    pub fn torque(
+        &self,
+        k: usize,
+        mode: ContactMode,
+        (theta, omega): (&Series<S>, &Series<S>),
+        turn: Option<&mut TurnJet<S>>,
+    ) -> S {
+        let mut torque = S::ZERO;
+        if let Some(turn) = turn {
+            turn.weighted_angle[k] = theta[k] * k as f64;
+            let (c, s) = if k == 0 {
+                let (s, c) = theta[0].sin_cos();
+                (c, s)
+            } else {
+                cosine_sine(k, &turn.weighted_angle, &turn.cosine, &turn.sine)
+            };
+            (turn.cosine[k], turn.sine[k]) = (c, s);
+            if let Some(unbalance) = self.unbalance {
+                let (sin, cos) = unbalance.phase.sin_cos();
+                torque -= unbalance.torque * (c * cos + s * sin);
+            }
+        }
+        if let Some(drag) = self.viscous_drag {
+            torque -= drag.coefficient * omega[k];
+        }
+        let moving = match mode {
+            ContactMode::Slipping(direction, _) => Some(direction),
+            ContactMode::Breaking(direction) if !self.has_bristles => Some(direction),
+            ContactMode::Breaking(_) | ContactMode::Stuck => None,
+        };
+        if let (Some(drag), Some(direction)) = (self.quadratic_drag, moving) {
+            let square = convolution(&omega[..=k], &omega[..=k]);
+            torque -= drag.coefficient * square * direction.sign();
+        }
+        torque
     }
 }
 

@@ -182,26 +182,32 @@ section! {
 }
 
 macro_rules! effects {
-    ($( $field:ident : $kind:ident, )*) => {
-        /// The effects that are switched on.
+    (
+        $(#[$doc:meta])*
+        $effects:ident
+        $(#[$names_doc:meta])*
+        $names:ident
+        $( $field:ident : $kind:ident, )*
+    ) => {
+        $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub struct Effects<S> {
+        pub struct $effects<S> {
             $(
                 #[doc = concat!("Section `[", stringify!($field), "]`.")]
                 pub $field: Option<$kind<S>>,
             )*
         }
 
-        /// Names of all effects, as `model.toml` spells their sections.
-        pub const EFFECT_NAMES: &[&str] = &[$( stringify!($field), )*];
+        $(#[$names_doc])*
+        pub const $names: &[&str] = &[$( stringify!($field), )*];
 
-        impl<S> Default for Effects<S> {
+        impl<S> Default for $effects<S> {
             fn default() -> Self {
                 Self { $( $field: None, )* }
             }
         }
 
-        impl<S: Scalar> Effects<S> {
+        impl<S: Scalar> $effects<S> {
             /// Switches the effect `name` on with the values that `value` gives; `None` if there is
             /// no such effect.
             pub fn insert<E>(
@@ -257,14 +263,18 @@ macro_rules! effects {
             }
 
             /// The same effects over another kind of number.
-            pub fn lift<T: Scalar>(&self) -> Effects<T> {
-                Effects { $( $field: self.$field.map(|effect| effect.lift()), )* }
+            pub fn lift<T: Scalar>(&self) -> $effects<T> {
+                $effects { $( $field: self.$field.map(|effect| effect.lift()), )* }
             }
         }
     };
 }
 
 effects! {
+    /// The effects that are switched on.
+    Effects
+    /// Names of all effects, as `model.toml` spells their sections.
+    EFFECT_NAMES
     bearing_friction: BearingFriction,
     normal_force_wobble: NormalForceWobble,
     position_friction: PositionFriction,
@@ -284,4 +294,20 @@ effects! {
     presliding: Presliding,
     stochastic_friction: StochasticFriction,
     sensor_delay: SensorDelay,
+}
+
+effects! {
+    /// The effects on disc D1 of the full rig that are switched on; their equations are those on disc D2, with θ1 and ω1.
+    OuterEffects
+    /// Names of the effects on disc D1, as `model.toml` spells their sections.
+    OUTER_EFFECT_NAMES
+    bearing_friction1: BearingFriction,
+    unbalance1: Unbalance,
+    viscous_drag1: ViscousDrag,
+    quadratic_drag1: QuadraticDrag,
+}
+
+/// Parameters of the effect `name` on either disc; `None` if there is no such effect.
+pub fn effect_infos(name: &str) -> Option<&'static [ParameterInfo]> {
+    Effects::<f64>::infos(name).or_else(|| OuterEffects::<f64>::infos(name))
 }

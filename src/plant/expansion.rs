@@ -50,6 +50,9 @@ impl<S: Scalar> Rig<S> {
         }
         let bodies = Bodies::new(self, mode, inputs);
         jet.disc.constant_torque = bodies.disc_slip.constant_torque;
+        if let (Some(pin), Some(slip)) = (&mut jet.disc1, &bodies.disc1_slip) {
+            pin.constant_torque = slip.constant_torque;
+        }
         for k in 0..=order {
             bodies.expand_order(k, mode, time, varying, jet);
         }

@@ -84,9 +84,9 @@ pub(super) enum SlowMotions<S> {
 pub(super) struct EffectJet<S> {
     pub factor: Series<S>,
     pub scratch: Series<S>,
-    pub weighted_angle: Series<S>,
-    pub cosine: Series<S>,
-    pub sine: Series<S>,
+    pub turn: TurnJet<S>,
+    /// The same of disc D1, where an effect on it depends on its angle.
+    pub turn1: Option<Box<TurnJet<S>>>,
     pub second_cosine: Series<S>,
     pub second_sine: Series<S>,
     pub weighted_motor_angle: Series<S>,
@@ -100,17 +100,38 @@ pub(super) struct EffectJet<S> {
     pub noise: Series<S>,
 }
 
+/// Cosine and sine of a disc's angle.
+#[derive(Clone, Debug)]
+pub(super) struct TurnJet<S> {
+    pub weighted_angle: Series<S>,
+    pub cosine: Series<S>,
+    pub sine: Series<S>,
+}
+
+impl<S: Scalar> TurnJet<S> {
+    fn new() -> Self {
+        let zero = [S::ZERO; TERMS];
+        Self {
+            weighted_angle: zero,
+            cosine: zero,
+            sine: zero,
+        }
+    }
+}
+
 impl<S: Scalar> RigJet<S> {
     /// Empty series for `rig`.
     pub fn new(rig: &Rig<S>) -> Self {
         let zero = [S::ZERO; TERMS];
-        let effects = rig.effects.act_on_motion().then(|| {
+        let effects = rig.act_on_motion().then(|| {
+            let outer = rig.outer.as_ref();
             Box::new(EffectJet {
                 factor: zero,
                 scratch: zero,
-                weighted_angle: zero,
-                cosine: zero,
-                sine: zero,
+                turn: TurnJet::new(),
+                turn1: outer
+                    .and_then(|outer| outer.effects.unbalance1)
+                    .map(|_| Box::new(TurnJet::new())),
                 second_cosine: zero,
                 second_sine: zero,
                 weighted_motor_angle: zero,

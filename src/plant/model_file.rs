@@ -1,6 +1,9 @@
 //! `model.toml`: a rig with its numbers, where they come from, and its effects.
 
-use super::{ContactRadius, Disc, EFFECT_NAMES, Effects, Gearbox, Motor, Outer, Rig, Shaft};
+use super::{
+    ContactRadius, Disc, EFFECT_NAMES, Effects, Gearbox, Motor, OUTER_EFFECT_NAMES, Outer,
+    OuterEffects, Rig, Shaft, effect_infos,
+};
 use crate::friction::{LAW_NAMES, Law};
 use crate::parameter::{ModelFileError, Provenance, SectionReader};
 use std::collections::BTreeMap;
@@ -23,7 +26,11 @@ impl ModelFile {
     /// Reads the text of a model file; `file` names it in messages.
     pub fn parse(text: &str, file: &str) -> Result<Self, ModelFileError> {
         let mut reader = SectionReader::new(text, file)?;
-        let known = [&PARTS[..], &OUTER_PARTS, EFFECT_NAMES].concat();
+        let mut known = [&PARTS[..], &OUTER_PARTS, EFFECT_NAMES].concat();
+        // Effects on a disc that is not there are none.
+        if reader.is_full() {
+            known.extend(OUTER_EFFECT_NAMES);
+        }
         reader.check_sections(&known)?;
         let rig = reader.rig()?;
         rig.check().map_err(|source| ModelFileError::Parameter {
@@ -125,32 +132,19 @@ impl SectionReader<'_> {
         let shaft = Shaft::from_values(self.values("shaft", Shaft::<f64>::INFOS, &[])?)?;
         let gearbox = Gearbox::from_values(self.values("gearbox", Gearbox::<f64>::INFOS, &[])?)?;
         let motor = Motor::from_values(self.values("motor", Motor::<f64>::INFOS, &[])?)?;
-        let outer = if OUTER_PARTS
-            .iter()
-            .any(|part| self.table.contains_key(*part))
-        {
+        let outer = if self.is_full() {
             let (contact, law) = self.contact("contact1")?;
             Some(Outer {
                 disc: Disc::from_values(self.values("disc1", Disc::<f64>::INFOS, &[])?)?,
                 shaft: Shaft::from_values(self.values("shaft1", Shaft::<f64>::INFOS, &[])?)?,
                 contact,
                 law,
+                effects: OuterEffects::default(),
             })
         } else {
             None
         };
-        let mut effects = Effects::default();
-        for name in EFFECT_NAMES {
-            if !self.table.contains_key(*name) {
-                continue;
-            }
-            let infos = Effects::<f64>::infos(name).unwrap_or(&[]);
-            let values = self.values(name, infos, &[])?;
-            if let Some(result) = effects.insert(name, values) {
-                result?;
-            }
-        }
-        Ok(Rig {
+        let mut rig = Rig {
             disc,
             shaft,
             gearbox,
@@ -158,8 +152,26 @@ impl SectionReader<'_> {
             contact,
             law,
             outer,
-            effects,
-        })
+            effects: Effects::default(),
+        };
+        for name in rig.effect_names() {
+            if !self.table.contains_key(name) {
+                continue;
+            }
+            let infos = effect_infos(name).unwrap_or(&[]);
+            let values = self.values(name, infos, &[])?;
+            if let Some(result) = rig.insert_effect(name, values) {
+                result?;
+            }
+        }
+        Ok(rig)
+    }
+
+    /// Whether the file describes the full rig.
+    fn is_full(&self) -> bool {
+        OUTER_PARTS
+            .iter()
+            .any(|part| self.table.contains_key(*part))
     }
 
     fn contact(&mut self, section: &str) -> Result<(ContactRadius<f64>, Law<f64>), ModelFileError> {

@@ -1,8 +1,11 @@
 //! The rig as data: parts, friction law, effects, and its flat list of parameters.
 
-use super::{ContactRadius, Disc, Effects, Gearbox, Motor, Shaft};
+use super::{
+    ContactRadius, Disc, EFFECT_NAMES, Effects, Gearbox, Motor, OUTER_EFFECT_NAMES, OuterEffects,
+    Shaft,
+};
 use crate::friction::Law;
-use crate::parameter::{self, Parameter, ParameterError, Section};
+use crate::parameter::{self, Parameter, ParameterError, ParameterInfo, Section};
 use crate::series::Scalar;
 
 /// Number of state variables of the largest rig.
@@ -56,6 +59,8 @@ pub struct Outer<S> {
     pub contact: ContactRadius<S>,
     /// Friction law of the pin on D1.
     pub law: Law<S>,
+    /// Effects on D1 beyond the nominal rig.
+    pub effects: OuterEffects<S>,
 }
 
 /// A rig with all its numbers.
@@ -104,6 +109,7 @@ impl<S: Scalar> Rig<S> {
             sections.push(("shaft1", &outer.shaft));
             sections.push(("contact1", &outer.contact));
             sections.push(("contact1", outer.law.section()));
+            sections.extend(outer.effects.active());
         }
         sections.extend(self.effects.active());
         sections
@@ -123,9 +129,37 @@ impl<S: Scalar> Rig<S> {
             sections.push(("shaft1", &mut outer.shaft));
             sections.push(("contact1", &mut outer.contact));
             sections.push(("contact1", outer.law.section_mut()));
+            sections.extend(outer.effects.active_mut());
         }
         sections.extend(self.effects.active_mut());
         sections
+    }
+
+    /// Whether any effect that is on acts on the motion and not only on what is read.
+    pub fn act_on_motion(&self) -> bool {
+        let on_outer = self
+            .outer
+            .as_ref()
+            .map(|outer| outer.effects.act_on_motion());
+        self.effects.act_on_motion() || on_outer == Some(true)
+    }
+
+    /// Names of all effects that this rig can have, as `model.toml` spells their sections.
+    pub fn effect_names(&self) -> impl Iterator<Item = &'static str> + use<S> {
+        let outer = self.outer.as_ref().map_or(&[][..], |_| OUTER_EFFECT_NAMES);
+        EFFECT_NAMES.iter().chain(outer).copied()
+    }
+
+    /// Switches the effect `name` on with the values that `value` gives; `None` if this rig can have no such effect.
+    pub fn insert_effect<E>(
+        &mut self,
+        name: &str,
+        mut value: impl FnMut(&'static ParameterInfo) -> Result<S, E>,
+    ) -> Option<Result<(), E>> {
+        match self.effects.insert(name, &mut value) {
+            None => self.outer.as_mut()?.effects.insert(name, value),
+            inserted => inserted,
+        }
     }
 
     /// All parameters in a fixed order.
@@ -185,6 +219,7 @@ impl<S: Scalar> Rig<S> {
                 shaft: outer.shaft.lift(),
                 contact: outer.contact.lift(),
                 law: outer.law.lift(),
+                effects: outer.effects.lift(),
             }),
             effects: self.effects.lift(),
         }

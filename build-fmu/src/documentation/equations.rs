@@ -162,6 +162,10 @@ pub fn effect(section: &str) -> Option<Equations> {
             "Friction that fluctuates in time",
             &["T = T_f ( 1 + s ξ ( t ) )"],
         ),
+        "bearing_friction1" => ("Bearing friction of disc D1", &["T = − T_b sign ( θ_1' )"]),
+        "unbalance1" => ("Unbalance of disc D1", &["T = − T_u cos ( θ_1 − φ )"]),
+        "viscous_drag1" => ("Viscous drag on disc D1", &["T = − b θ_1'"]),
+        "quadratic_drag1" => ("Aerodynamic drag on disc D1", &["T = − q θ_1' | θ_1' |"]),
         "sensor_delay" => ("Disc sensors that lag", &["θ_read ( t ) = θ_2 ( t − τ )"]),
         _ => return None,
     };

@@ -9,15 +9,20 @@ use stickslip::series::Scalar;
 /// Turns what a start holds for the bristles into their deflection. None are deflected in a rig without bristles or
 /// where the disc slides.
 pub fn deflect_bristles<S: Scalar>(rig: &Rig<S>, state: &mut RigState<S>) {
-    let further = state[index::BRISTLE];
-    let sticks = state[index::OMEGA].value() == 0.0;
-    state[index::BRISTLE] = match &rig.effects.presliding {
-        Some(presliding) if sticks => {
-            let twist = state[index::THETA] - state[index::THETA3];
-            let slip = state[index::OMEGA] - state[index::OMEGA3];
-            let pull = rig.shaft.stiffness * twist + rig.shaft.damping * slip;
-            further - pull / presliding.stiffness
-        }
+    let twist = state[index::THETA] - state[index::THETA3];
+    let slip = state[index::OMEGA] - state[index::OMEGA3];
+    let mut pull = rig.shaft.stiffness * twist + rig.shaft.damping * slip;
+    let deflected = |further: S, velocity: S, pull: S| match &rig.effects.presliding {
+        Some(presliding) if velocity.value() == 0.0 => further - pull / presliding.stiffness,
         _ => S::ZERO,
     };
+    if let Some(outer) = &rig.outer {
+        let twist = state[index::THETA1] - state[index::THETA];
+        let slip = state[index::OMEGA1] - state[index::OMEGA];
+        let outer_pull = outer.shaft.stiffness * twist + outer.shaft.damping * slip;
+        pull -= outer_pull;
+        state[index::BRISTLE1] =
+            deflected(state[index::BRISTLE1], state[index::OMEGA1], outer_pull);
+    }
+    state[index::BRISTLE] = deflected(state[index::BRISTLE], state[index::OMEGA], pull);
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use stickslip::plant::{Rig, RigState};
 
-use crate::gram::{FIRST_FREE, Gram, window_gram};
+use crate::gram::{Gram, first_free, window_gram};
 use crate::hypothesis::Hypothesis;
 use crate::marginal::{Disturbance, Reduced, reduce};
 use crate::record::{CHANNELS, Run};
@@ -16,10 +16,14 @@ use crate::window::{Begin, Cut, START_COMPONENTS, STARTS, Window};
 const FEW_SLOTS: usize = 21;
 /// Derivative slots for the largest hypotheses.
 const MANY_SLOTS: usize = 33;
-/// Most free numbers that a hypothesis may have.
-pub const MOST_FREE: usize = MANY_SLOTS - FIRST_FREE;
 /// Windows in a row that share a fold: what half of the blocks teach is judged on the other half.
 const BLOCK: usize = 4;
+
+/// Most free numbers that a hypothesis on this rig may have.
+#[must_use]
+pub fn most_free(rig: &Rig<f64>) -> usize {
+    MANY_SLOTS - first_free(rig)
+}
 
 /// The records and windows that fits work on.
 #[derive(Clone, Debug)]
@@ -98,7 +102,7 @@ fn offset(start: &RigState<f64>, window: &Window) -> [f64; STARTS] {
 /// Gram matrices of all windows under a hypothesis; `None` where the model cannot run.
 #[must_use]
 pub fn grams(data: &Data, hypothesis: &Hypothesis, starts: &[RigState<f64>]) -> Vec<Option<Gram>> {
-    if hypothesis.dimension() + FIRST_FREE <= FEW_SLOTS {
+    if hypothesis.dimension() + first_free(&hypothesis.rig) <= FEW_SLOTS {
         grams_with_slots::<FEW_SLOTS>(data, hypothesis, starts)
     } else {
         grams_with_slots::<MANY_SLOTS>(data, hypothesis, starts)
@@ -110,7 +114,7 @@ fn grams_with_slots<const N: usize>(
     hypothesis: &Hypothesis,
     starts: &[RigState<f64>],
 ) -> Vec<Option<Gram>> {
-    let Ok(rig) = hypothesis.rig_with_slots::<N>(FIRST_FREE) else {
+    let Ok(rig) = hypothesis.rig_with_slots::<N>(first_free(&hypothesis.rig)) else {
         return vec![None; data.windows.len()];
     };
     let free = hypothesis.dimension();

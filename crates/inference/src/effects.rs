@@ -9,6 +9,7 @@ use crate::policy::LEAST_SHARE;
 use crate::scales::Scales;
 use stickslip::friction::{CoulombStiction, Law, Stribeck, TwoGaussianMu};
 use stickslip::parameter::ParameterInfo;
+use stickslip::plant::Rig;
 
 /// Share of its base that an effect of usual size has: of the friction torque, of the twist, of the load, of one.
 const USUAL: f64 = 0.3;
@@ -220,6 +221,31 @@ pub const EFFECTS: &[Effect] = &[
         name: "acceleration_hysteresis",
         form: Form::Hysteresis,
     },
+    one(
+        "bearing_friction1",
+        "torque",
+        0.0,
+        Base::Torque,
+        true,
+        &[0.5, 1.5],
+    ),
+    polar("unbalance1", "torque", Base::Torque, &[], &[1.0]),
+    one(
+        "viscous_drag1",
+        "coefficient",
+        0.0,
+        Base::TorqueOverSpeed,
+        false,
+        &[],
+    ),
+    one(
+        "quadratic_drag1",
+        "coefficient",
+        0.0,
+        Base::TorqueOverSpeedSquared,
+        false,
+        &[],
+    ),
 ];
 
 /// The effect of this name.
@@ -236,6 +262,12 @@ impl Effect {
             self.form,
             Form::Stiction | Form::Stribeck | Form::Hysteresis
         )
+    }
+
+    /// Whether a rig has what the effect acts on.
+    #[must_use]
+    pub fn is_possible(&self, rig: &Rig<f64>) -> bool {
+        self.is_law() || rig.effect_names().any(|name| name == self.name)
     }
 
     /// What the dotted names of its numbers begin with: its own section, or the law's.
@@ -274,7 +306,7 @@ impl Effect {
         scales: &Scales,
         scatter: Option<&Scatter>,
     ) -> Vec<Hypothesis> {
-        if base.effects.iter().any(|name| name == self.name) {
+        if !self.is_possible(&base.rig) || base.effects.iter().any(|name| name == self.name) {
             return Vec::new();
         }
         let ratio = base.rig.gearbox.ratio;
@@ -392,6 +424,8 @@ impl Effect {
                 })
                 .collect(),
             Form::Bristles if base.rig.law.band().0 > 0.0 || scales.load == 0.0 => Vec::new(),
+            // Of the bristles on D1 windows have no start that could be fitted.
+            Form::Bristles if base.rig.outer.is_some() => Vec::new(),
             // Bristles that give way by less than can be read are none.
             Form::Bristles => {
                 let stiffest = scales.torque / scales.resolution;
@@ -480,7 +514,7 @@ fn switch_on(hypothesis: &mut Hypothesis, section: &str, values: &[(&str, f64)])
             .map_or(0.0, |(_, v)| *v);
         Ok::<f64, Infallible>(given)
     };
-    let _ = hypothesis.rig.effects.insert(section, value);
+    let _ = hypothesis.rig.insert_effect(section, value);
 }
 
 fn stiction(base: &Hypothesis, scatter: Option<&Scatter>) -> Vec<Hypothesis> {

@@ -3,27 +3,24 @@
 use crate::bristle_start::deflect_bristles;
 use crate::record::{CHANNELS, Run, channel};
 use crate::scales::Scales;
-use crate::window::{PIECE, START_COMPONENTS, Window};
+use crate::window::{PIECE, START_COMPONENTS, STARTS, Window, starts_of};
 use nalgebra::DMatrix;
 use stickslip::friction::{ContactMode, Regime, acceleration_angle};
 use stickslip::integrator::{IntegrationError, Options, Simulation};
-use stickslip::plant::{Rig, RigInputs, RigState, STATES, index};
+use stickslip::plant::{Contact, Rig, RigInputs, RigState, STATES, index};
 use stickslip::series::{Dual, Scalar, evaluate};
 
-/// Slots before the free numbers: start components and two disturbance torques.
-pub const FIRST_FREE: usize = START_COMPONENTS.len() + 2;
-/// Derivative slots for hypotheses of ordinary size.
-pub const FEW_SLOTS: usize = 21;
-/// Derivative slots for the largest hypotheses.
-pub const MANY_SLOTS: usize = 29;
-/// Most free numbers that a hypothesis may have.
-pub const MOST_FREE: usize = MANY_SLOTS - FIRST_FREE;
+/// Slots before the free numbers of a rig: start components and two disturbance torques.
+#[must_use]
+pub fn first_free<S: Scalar>(rig: &Rig<S>) -> usize {
+    starts_of(rig) + 2
+}
 /// Order of the Taylor polynomials of the motion.
 const ORDER: usize = 14;
 /// Most columns of a Gram matrix.
 const MOST_COLUMNS: usize = 128;
 
-type Chain = [[f64; MOST_COLUMNS]; START_COMPONENTS.len()];
+type Chain = [[f64; MOST_COLUMNS]; STARTS];
 
 /// Where the motion is in one piece of a window: the coordinates against which a residual torque
 /// may be structured.
@@ -60,6 +57,8 @@ pub struct Place {
 pub struct Gram {
     /// Columns: start components, disc disturbances, motor disturbances, free numbers, residual.
     pub products: DMatrix<f64>,
+    /// Number of start components.
+    pub starts: usize,
     /// Number of disturbance pieces.
     pub pieces: usize,
     /// Number of residuals.
@@ -70,16 +69,18 @@ pub struct Gram {
 
 impl Gram {
     /// Column of the first disc disturbance.
-    pub const DISC: usize = START_COMPONENTS.len();
+    pub fn disc(&self) -> usize {
+        self.starts
+    }
 
     /// Column of the first motor disturbance.
     pub fn motor(&self) -> usize {
-        Self::DISC + self.pieces
+        self.disc() + self.pieces
     }
 
     /// Column of the first free number.
     pub fn free(&self) -> usize {
-        Self::DISC + 2 * self.pieces
+        self.disc() + 2 * self.pieces
     }
 
     /// Column of the residual.
@@ -109,16 +110,18 @@ pub fn window_gram<const N: usize>(
     let per_piece = ((PIECE / run.interval()).round() as usize).max(1);
     let samples = window.last - window.first;
     let pieces = samples.div_ceil(per_piece);
-    let columns = Gram::DISC + 2 * pieces + free + 1;
+    let starts = starts_of(rig);
+    let is_full = rig.outer.is_some();
+    let columns = starts + 2 * pieces + free + 1;
     let mut products = DMatrix::zeros(columns, columns);
     // Derivatives of the present piece's start with respect to all columns but the residual's.
-    let mut chain = [[0.0; MOST_COLUMNS]; START_COMPONENTS.len()];
+    let mut chain = [[0.0; MOST_COLUMNS]; STARTS];
     for (j, row) in chain.iter_mut().enumerate() {
         row[j] = 1.0;
     }
     let delay = rig.effects.sensor_delay.map_or(Dual::ZERO, |d| d.delay);
     let mut simulation = started(rig, run, window, start, last.take())?;
-    start_on_measured_branch(&mut simulation, window.acceleration)?;
+    start_on_measured_branch(&mut simulation, &window.accelerations)?;
     let mut places = Vec::with_capacity(pieces);
     let mut row = vec![0.0; columns];
     let mut residuals = 0;
@@ -130,10 +133,11 @@ pub fn window_gram<const N: usize>(
         let mut sliding = true;
         for sample in from..to {
             if sample > from {
-                let new = inputs(run, sample);
+                let new = inputs(run, sample, starts);
                 let old = simulation.inputs();
                 if new.voltage[0].value != old.voltage[0].value
                     || new.normal_force[0].value != old.normal_force[0].value
+                    || new.normal_force_1[0].value != old.normal_force_1[0].value
                 {
                     simulation.set_inputs(run.time[sample], new)?;
                 }
@@ -144,18 +148,30 @@ pub fn window_gram<const N: usize>(
                 if !run.has(channel) {
                     return;
                 }
-                local_row(&value, weight, piece, pieces, free, &chain, &mut row);
+                local_row(
+                    &value,
+                    weight,
+                    piece,
+                    pieces,
+                    free,
+                    &chain[..starts],
+                    &mut row,
+                );
                 row[columns - 1] = (run.readings[channel][sample] - value.value) * weight;
                 accumulate(&row, &mut products);
                 residuals += 1;
             };
-            // Gear channels are read at the sample; disc channels show what was `delay` earlier.
+            // The channels of D2 show what was `delay` earlier, all others are read at the sample.
             if sample > window.first || piece == 0 {
                 simulation.advance_to(begin)?;
                 let at = |component: usize| simulation.component_at(component, begin);
                 emit(sample, channel::THETA3, at(index::THETA3));
                 emit(sample, channel::OMEGA3, at(index::OMEGA3));
                 emit(sample, channel::CURRENT, at(index::CURRENT));
+                if is_full {
+                    emit(sample, channel::THETA1, at(index::THETA1));
+                    emit(sample, channel::OMEGA1, at(index::OMEGA1));
+                }
             }
             loop {
                 let last_one = is_last && sample + 1 == to;
@@ -179,6 +195,10 @@ pub fn window_gram<const N: usize>(
                 emit(sample + 1, channel::THETA3, at(index::THETA3));
                 emit(sample + 1, channel::OMEGA3, at(index::OMEGA3));
                 emit(sample + 1, channel::CURRENT, at(index::CURRENT));
+                if is_full {
+                    emit(sample + 1, channel::THETA1, at(index::THETA1));
+                    emit(sample + 1, channel::OMEGA1, at(index::OMEGA1));
+                }
             }
             if sample == from + (to - from) / 2 {
                 places.push(place(scales, &simulation, run, sample, end));
@@ -189,10 +209,10 @@ pub fn window_gram<const N: usize>(
         }
         if !is_last {
             let end = simulation.state_at(run.time[to]);
-            advance_chain(&end, piece, pieces, free, &mut chain);
-            simulation.continue_from(run.time[to], inputs(run, to), |state| {
+            advance_chain(&end, piece, pieces, free, &mut chain[..starts]);
+            simulation.continue_from(run.time[to], inputs(run, to, starts), |state| {
                 *state = end.map(|value| Dual::constant(value.value));
-                seed(state);
+                seed(state, starts);
             })?;
         }
     }
@@ -204,6 +224,7 @@ pub fn window_gram<const N: usize>(
     *last = Some(simulation);
     Ok(Gram {
         products,
+        starts,
         pieces,
         residuals,
         places,
@@ -219,10 +240,10 @@ fn started<const N: usize>(
     last: Option<LastRun<N>>,
 ) -> Result<Box<Simulation<Dual<N>, Rig<Dual<N>>>>, IntegrationError> {
     let mut state: RigState<Dual<N>> = start.map(Dual::constant);
-    seed(&mut state);
+    seed(&mut state, starts_of(rig));
     deflect_bristles(rig, &mut state);
     let time = run.time[window.first];
-    let inputs = inputs(run, window.first);
+    let inputs = inputs(run, window.first, starts_of(rig));
     match last {
         Some(mut simulation) => {
             simulation.start_over(time, state, inputs)?;
@@ -239,28 +260,39 @@ fn started<const N: usize>(
     }
 }
 
-/// Puts a sliding contact whose law has branches on the one that the measured acceleration tells.
+/// Puts sliding contacts whose law has branches on the one that the measured acceleration tells.
 fn start_on_measured_branch<const N: usize>(
     simulation: &mut Simulation<Dual<N>, Rig<Dual<N>>>,
-    acceleration: f64,
+    accelerations: &[f64; 2],
 ) -> Result<(), IntegrationError> {
-    let law = &simulation.system().law;
+    let rig = simulation.system();
+    let laws = [Some(rig.law), rig.outer.map(|outer| outer.law)];
     let mut mode = *simulation.mode();
-    let ContactMode::Slipping(direction, _) = mode.disc else {
-        return Ok(());
-    };
-    if !law.has_branches() {
-        return Ok(());
+    let mut is_changed = false;
+    for (place, contact) in [Contact::Disc, Contact::Disc1].into_iter().enumerate() {
+        let (Some(law), ContactMode::Slipping(direction, _)) =
+            (&laws[place], mode.contact(contact))
+        else {
+            continue;
+        };
+        if !law.has_branches() {
+            continue;
+        }
+        let along = accelerations[place] * direction.sign();
+        let regime = match (law.two_gaussian().is_some(), along < 0.0) {
+            (true, _) => Regime::Free,
+            (false, true) => Regime::SlowingDown,
+            (false, false) => Regime::SpeedingUp,
+        };
+        mode.set_contact(contact, ContactMode::Slipping(direction, regime));
+        mode.near[place] = along;
+        is_changed = true;
     }
-    let along = acceleration * direction.sign();
-    let regime = match (law.two_gaussian().is_some(), along < 0.0) {
-        (true, _) => Regime::Free,
-        (false, true) => Regime::SlowingDown,
-        (false, false) => Regime::SpeedingUp,
-    };
-    mode.disc = ContactMode::Slipping(direction, regime);
-    mode.near[0] = along;
-    simulation.set_mode(mode)
+    if is_changed {
+        simulation.set_mode(mode)
+    } else {
+        Ok(())
+    }
 }
 
 /// Angle and velocity of the disc at `when`. A time just before the window is reached along the
@@ -287,19 +319,20 @@ fn disc_reading<const N: usize>(
     ))
 }
 
-fn inputs<const N: usize>(run: &Run, sample: usize) -> RigInputs<Dual<N>> {
+fn inputs<const N: usize>(run: &Run, sample: usize, starts: usize) -> RigInputs<Dual<N>> {
+    let force_1 = run.normal_force_1.get(sample).copied();
     let mut inputs = RigInputs::held(
         Dual::constant(run.voltage[sample]),
         Dual::constant(run.normal_force[sample]),
-        Dual::ZERO,
+        Dual::constant(force_1.unwrap_or_default()),
     );
-    inputs.disc_torque = Dual::variable(0.0, START_COMPONENTS.len());
-    inputs.motor_torque = Dual::variable(0.0, START_COMPONENTS.len() + 1);
+    inputs.disc_torque = Dual::variable(0.0, starts);
+    inputs.motor_torque = Dual::variable(0.0, starts + 1);
     inputs
 }
 
-fn seed<const N: usize>(state: &mut [Dual<N>; STATES]) {
-    for (slot, component) in START_COMPONENTS.into_iter().enumerate() {
+fn seed<const N: usize>(state: &mut [Dual<N>; STATES], starts: usize) {
+    for (slot, component) in START_COMPONENTS.into_iter().take(starts).enumerate() {
         state[component] = Dual::variable(state[component].value, slot);
     }
 }
@@ -311,10 +344,10 @@ fn local_row<const N: usize>(
     piece: usize,
     pieces: usize,
     free: usize,
-    chain: &Chain,
+    chain: &[[f64; MOST_COLUMNS]],
     row: &mut [f64],
 ) {
-    let starts = START_COMPONENTS.len();
+    let starts = chain.len();
     let columns = starts + 2 * pieces + free;
     row[..columns].fill(0.0);
     for (slot, chain_row) in chain.iter().enumerate() {
@@ -328,7 +361,7 @@ fn local_row<const N: usize>(
     row[starts + piece] += value.derivative[starts] * weight;
     row[starts + pieces + piece] += value.derivative[starts + 1] * weight;
     for j in 0..free {
-        row[starts + 2 * pieces + j] += value.derivative[FIRST_FREE + j] * weight;
+        row[starts + 2 * pieces + j] += value.derivative[starts + 2 + j] * weight;
     }
 }
 
@@ -337,13 +370,13 @@ fn advance_chain<const N: usize>(
     piece: usize,
     pieces: usize,
     free: usize,
-    chain: &mut Chain,
+    chain: &mut [[f64; MOST_COLUMNS]],
 ) {
-    let mut next = [[0.0; MOST_COLUMNS]; START_COMPONENTS.len()];
-    for (row, component) in next.iter_mut().zip(START_COMPONENTS) {
+    let mut next: Chain = [[0.0; MOST_COLUMNS]; STARTS];
+    for (row, component) in next[..chain.len()].iter_mut().zip(START_COMPONENTS) {
         local_row(&end[component], 1.0, piece, pieces, free, chain, row);
     }
-    *chain = next;
+    chain.copy_from_slice(&next[..chain.len()]);
 }
 
 fn accumulate(row: &[f64], products: &mut DMatrix<f64>) {

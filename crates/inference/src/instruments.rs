@@ -64,6 +64,8 @@ impl fmt::Display for Contradiction {
             ("angle of the gearbox output", "rad"),
             ("angular velocity of the gearbox output", "rad/s"),
             ("armature current", "A"),
+            ("angle of disc D1", "rad"),
+            ("angular velocity of disc D1", "rad/s"),
         ];
         let (name, unit) = NAMES.get(self.channel).unwrap_or(&("channel", ""));
         write!(

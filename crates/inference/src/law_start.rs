@@ -6,7 +6,6 @@
 
 use crate::data::{Data, reduced};
 use crate::fit::Fit;
-use crate::gram::Gram;
 use crate::hypothesis::Hypothesis;
 use crate::marginal::Disturbance;
 use crate::record::{Run, channel};
@@ -97,7 +96,11 @@ fn of_motion(data: &Data, hypothesis: &Hypothesis) -> Vec<Point> {
     let mut points = Vec::new();
     for run in data.runs.iter() {
         let Traces {
-            disc, gear, motion, ..
+            disc,
+            gear,
+            motion,
+            outer,
+            ..
         } = &run.traces;
         for at in (every / 2..run.len()).step_by(every) {
             let per_coefficient = rig.contact.radius * run.normal_force[at];
@@ -109,7 +112,12 @@ fn of_motion(data: &Data, hypothesis: &Hypothesis) -> Vec<Point> {
             state[index::OMEGA] = disc.velocity[at];
             state[index::THETA3] = gear.angle[at];
             state[index::OMEGA3] = gear.velocity[at];
-            let inputs = RigInputs::held(run.voltage[at], run.normal_force[at], 0.0);
+            if let Some(outer) = outer {
+                state[index::THETA1] = outer.disc.angle[at];
+                state[index::OMEGA1] = outer.disc.velocity[at];
+            }
+            let force_1 = run.normal_force_1.get(at).copied().unwrap_or(0.0);
+            let inputs = RigInputs::held(run.voltage[at], run.normal_force[at], force_1);
             let time = run.time[at];
             let Ok(there) = Simulation::new(rig, Options::default(), time, state, inputs) else {
                 continue;
@@ -146,7 +154,7 @@ fn of_free_torque(data: &Data, fit: &Fit) -> Vec<Point> {
         };
         for (column, value, deviation) in form.disturbances() {
             let Some(place) = column
-                .checked_sub(Gram::DISC)
+                .checked_sub(gram.disc())
                 .and_then(|piece| gram.places.get(piece))
             else {
                 continue;

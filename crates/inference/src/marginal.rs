@@ -2,7 +2,7 @@
 //! disturbance torques.
 
 use crate::gram::Gram;
-use crate::window::{PIECE, START_COMPONENTS};
+use crate::window::{PIECE, STARTS};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Random disturbances of the friction and of the motor.
@@ -45,6 +45,7 @@ pub struct Reduced {
     right: DVector<f64>,
     cross: DMatrix<f64>,
     active: Vec<usize>,
+    starts: usize,
 }
 
 /// Integrates the nuisances of a window out.
@@ -53,11 +54,11 @@ pub struct Reduced {
 /// `None` if the matrices are not positive, which only non-finite numbers bring about.
 pub fn reduce(
     gram: &Gram,
-    offset: &[f64; START_COMPONENTS.len()],
-    deviations: &[f64; START_COMPONENTS.len()],
+    offset: &[f64; STARTS],
+    deviations: &[f64; STARTS],
     disturbance: &Disturbance,
 ) -> Option<Reduced> {
-    let starts = START_COMPONENTS.len();
+    let starts = gram.starts;
     let mut active: Vec<usize> = (0..starts).collect();
     let disc_scales: Vec<f64> = gram
         .places
@@ -69,7 +70,7 @@ pub fn reduce(
     let mut first_of_block = vec![starts];
     for (j, &scale) in disc_scales.iter().enumerate() {
         if scale > 0.0 {
-            active.push(Gram::DISC + j);
+            active.push(gram.disc() + j);
             scales.push(scale);
         }
     }
@@ -154,14 +155,15 @@ pub fn reduce(
         right,
         cross,
         active: active.iter().zip(&scales).map(|(&i, _)| i).collect(),
+        starts,
     })
 }
 
 impl Reduced {
     /// Best change of the window's start when the free numbers change by `step`.
-    pub fn start_change(&self, step: &DVector<f64>) -> [f64; START_COMPONENTS.len()] {
+    pub fn start_change(&self, step: &DVector<f64>) -> [f64; STARTS] {
         let solution = self.nuisance.solve(&(&self.right - &self.cross * step));
-        std::array::from_fn(|j| solution[j])
+        std::array::from_fn(|j| if j < self.starts { solution[j] } else { 0.0 })
     }
 
     /// Best estimate of the disturbance torques, in standard deviations, with their standard
@@ -169,7 +171,7 @@ impl Reduced {
     pub fn disturbances(&self) -> Vec<(usize, f64, f64)> {
         let solution = self.nuisance.solve(&self.right);
         let covariance = self.nuisance.inverse();
-        (START_COMPONENTS.len()..self.active.len())
+        (self.starts..self.active.len())
             .map(|a| {
                 (
                     self.active[a],

@@ -4,8 +4,8 @@ use crate::trace::{Traces, traces};
 use crate::units::PlantUnits;
 use stickslip::plant::Rig;
 
-/// Motion channels in the order θ2, ω2, θ3, ω3, i.
-pub const CHANNELS: usize = 5;
+/// Motion channels in the order θ2, ω2, θ3, ω3, i, θ1, ω1; the last two are of the full rig.
+pub const CHANNELS: usize = 7;
 /// Positions of the channels.
 pub mod channel {
     /// Angle of the disc.
@@ -18,6 +18,10 @@ pub mod channel {
     pub const OMEGA3: usize = 3;
     /// Armature current.
     pub const CURRENT: usize = 4;
+    /// Angle of disc D1.
+    pub const THETA1: usize = 5;
+    /// Angular velocity of disc D1.
+    pub const OMEGA1: usize = 6;
 }
 
 /// Steps and noise of the instruments, in the plant's units.
@@ -46,8 +50,10 @@ pub struct RawRecord {
     pub time: Vec<f64>,
     /// Motor voltage [V].
     pub voltage: Vec<f64>,
-    /// Normal force freed from noise [N].
+    /// Normal force on disc D2 freed from noise [N].
     pub normal_force: Vec<f64>,
+    /// The same on disc D1; empty where there is none.
+    pub normal_force_1: Vec<f64>,
     /// Readings of the channels.
     pub readings: [Vec<f64>; CHANNELS],
 }
@@ -61,11 +67,13 @@ pub struct Run {
     pub time: Vec<f64>,
     /// Motor voltage, held from each sample to the next.
     pub voltage: Vec<f64>,
-    /// Normal force.
+    /// Normal force on disc D2.
     pub normal_force: Vec<f64>,
+    /// Normal force on disc D1; empty where there is none.
+    pub normal_force_1: Vec<f64>,
     /// Readings, in the middle of their steps; empty where a channel was not measured.
     pub readings: [Vec<f64>; CHANNELS],
-    /// Angle, velocity and acceleration of both ends of the shaft as the readings tell them.
+    /// Angle, velocity and acceleration of the bodies as the readings tell them.
     pub traces: Traces,
 }
 
@@ -92,6 +100,7 @@ impl Run {
             time: scaled(&raw.time, units.time),
             voltage: scaled(&raw.voltage, units.voltage()),
             normal_force: scaled(&raw.normal_force, units.force),
+            normal_force_1: scaled(&raw.normal_force_1, units.force),
             readings,
             traces: Traces::default(),
         };
@@ -130,5 +139,6 @@ impl Run {
 /// SI values of the units of the channels.
 #[must_use]
 pub fn channel_units(units: &PlantUnits) -> [f64; CHANNELS] {
-    [1.0, 1.0 / units.time, 1.0, 1.0 / units.time, units.current]
+    let speed = 1.0 / units.time;
+    [1.0, speed, 1.0, speed, units.current, 1.0, speed]
 }

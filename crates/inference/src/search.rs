@@ -1,6 +1,6 @@
 //! Which set of effects the records speak for: best first over sets by adding, removing and swapping.
 
-use crate::data::{Data, MOST_FREE};
+use crate::data::{Data, most_free};
 use crate::effects::{EFFECTS, Effect, effect};
 use crate::evidence::Told;
 use crate::fit::{Fit, rescue};
@@ -329,6 +329,7 @@ fn add(
         .iter()
         .filter(|effect| !problem.without.iter().any(|name| name == effect.name))
         .filter(|effect| !current.effects.contains(&effect.name))
+        .filter(|effect| effect.is_possible(&problem.rig))
         .collect();
     let looks = looks(problem, current, &effects, progress);
     let swapped = swapped(problem, current, &looks);
@@ -561,7 +562,7 @@ fn looks(
     for effect in effects {
         progress(effect.name);
         for hypothesis in effect.starts(&base.hypothesis, &problem.long.scales, scatter.as_ref()) {
-            if hypothesis.dimension() > MOST_FREE {
+            if hypothesis.dimension() > most_free(&hypothesis.rig) {
                 continue;
             }
             let mut fit = Fit::at(&part, hypothesis, base.starts.clone(), base.disturbance);

@@ -322,7 +322,7 @@ fn augment(gram: &Gram, coordinate: Coordinate, scales: &Scales, ratio: f64) -> 
     map[(residual, residual + extra)] = 1.0;
     for (piece, values) in functions.iter().enumerate() {
         for (b, (disc, motor)) in values.iter().enumerate() {
-            map[(Gram::DISC + piece, residual + b)] = size * disc;
+            map[(gram.disc() + piece, residual + b)] = size * disc;
             map[(gram.motor() + piece, residual + b)] = size * motor;
         }
     }

@@ -39,7 +39,16 @@ pub enum Motion {
     Unclear,
 }
 
-/// Both ends of the shaft.
+/// Disc D1 of the full rig.
+#[derive(Clone, Debug, Default)]
+pub struct OuterTraces {
+    /// The disc.
+    pub disc: Trace,
+    /// How it moves at each sample.
+    pub motion: Vec<Motion>,
+}
+
+/// Both ends of the shaft, and disc D1.
 #[derive(Clone, Debug, Default)]
 pub struct Traces {
     /// The disc.
@@ -50,6 +59,24 @@ pub struct Traces {
     pub motion: Vec<Motion>,
     /// Speed that the motion hardly exceeds.
     pub speed: f64,
+    /// Disc D1, in the full rig.
+    pub outer: Option<OuterTraces>,
+}
+
+impl Traces {
+    /// Whether the readings tell how every disc moves about a sample.
+    #[must_use]
+    pub fn is_clear(&self, at: usize) -> bool {
+        let outer = self.outer.as_ref().map(|outer| outer.motion[at]);
+        self.motion[at] != Motion::Unclear && outer != Some(Motion::Unclear)
+    }
+}
+
+/// Where the readings of a disc are, and what presses on it.
+struct Sensed<'a> {
+    angle: usize,
+    velocity: usize,
+    normal_force: &'a [f64],
 }
 
 pub(crate) fn traces(run: &Run, rig: &Rig<f64>, instruments: &Instruments) -> Traces {
@@ -59,20 +86,54 @@ pub(crate) fn traces(run: &Run, rig: &Rig<f64>, instruments: &Instruments) -> Tr
     let is_measured = measured.is_some();
     let disc = measured.unwrap_or_else(|| twisted(run, &gear, rig));
     let speed = speed(&gear).max(if is_measured { speed(&disc) } else { 0.0 });
-    let motion = (0..run.len())
-        .map(|at| {
-            if is_measured {
-                motion(run, &disc, at, instruments, speed)
-            } else {
-                Motion::Unclear
-            }
-        })
-        .collect();
+    let motions = |disc: &Trace, is_measured: bool, sensed: &Sensed<'_>| -> Vec<Motion> {
+        (0..run.len())
+            .map(|at| {
+                if is_measured {
+                    motion(run, disc, at, sensed, instruments, speed)
+                } else {
+                    Motion::Unclear
+                }
+            })
+            .collect()
+    };
+    let sensed = Sensed {
+        angle: channel::THETA,
+        velocity: channel::OMEGA,
+        normal_force: &run.normal_force,
+    };
+    let motion = motions(&disc, is_measured, &sensed);
+    let outer = rig.outer.as_ref().map(|outer| {
+        let sensed = Sensed {
+            angle: channel::THETA1,
+            velocity: channel::OMEGA1,
+            normal_force: &run.normal_force_1,
+        };
+        let measured = body(run, sensed.angle, sensed.velocity, instruments);
+        let is_measured = measured.is_some();
+        let disc = measured.unwrap_or_else(|| {
+            let period = (outer.disc.inertia / outer.shaft.stiffness).sqrt();
+            carried(&disc, speed, period)
+        });
+        let motion = motions(&disc, is_measured, &sensed);
+        OuterTraces { disc, motion }
+    });
     Traces {
         disc,
         gear,
         motion,
         speed,
+        outer,
+    }
+}
+
+/// Disc D1 where nothing of it was measured: it turns with D2, but for what it swings on its shaft in `period`, a radian of
+/// its oscillation.
+fn carried(disc: &Trace, speed: f64, period: f64) -> Trace {
+    Trace {
+        angle_deviation: vec![speed * period; disc.angle.len()],
+        velocity_deviation: 0.5 * speed,
+        ..disc.clone()
     }
 }
 
@@ -261,7 +322,14 @@ fn polynomial(run: &Run, channel: usize, at: usize, half: usize, degree: usize) 
     [solved[0], solved[1] / unit, solved[2] / (unit * unit)]
 }
 
-fn motion(run: &Run, disc: &Trace, at: usize, instruments: &Instruments, speed: f64) -> Motion {
+fn motion(
+    run: &Run,
+    disc: &Trace,
+    at: usize,
+    sensed: &Sensed<'_>,
+    instruments: &Instruments,
+    speed: f64,
+) -> Motion {
     let half = half(HALF_LOOK, run);
     let (low, high) = around(at, half, run.len());
     let count = (high - low + 1) as f64;
@@ -269,25 +337,28 @@ fn motion(run: &Run, disc: &Trace, at: usize, instruments: &Instruments, speed: 
     let mut still = true;
     // Speed that a disc may have which seems to rest.
     let mut hidden = f64::INFINITY;
-    if run.has(channel::THETA) {
-        let angles = &run.readings[channel::THETA][low..=high];
+    if run.has(sensed.angle) {
+        let angles = &run.readings[sensed.angle][low..=high];
         let span = angles.iter().fold(f64::MIN, |a, b| a.max(*b))
             - angles.iter().fold(f64::MAX, |a, b| a.min(*b));
-        let most = 1.01 * instruments.step[channel::THETA]
-            + 1.5 * SURELY * instruments.noise[channel::THETA];
+        let most =
+            1.01 * instruments.step[sensed.angle] + 1.5 * SURELY * instruments.noise[sensed.angle];
         still &= span <= most;
         hidden = hidden.min(most / span_of_time);
     }
-    if run.has(channel::OMEGA) {
-        let velocities = &run.readings[channel::OMEGA][low..=high];
+    if run.has(sensed.velocity) {
+        let velocities = &run.readings[sensed.velocity][low..=high];
         let mean = velocities.iter().sum::<f64>() / count;
-        let most = SURELY * instruments.deviations()[channel::OMEGA] / count.sqrt();
+        let most = SURELY * instruments.deviations()[sensed.velocity] / count.sqrt();
         still &= mean.abs() <= most;
         hidden = hidden.min(most);
     }
     // Nothing holds a disc whose pins are lifted but bearings that stick, which take it up within a sample: where it seems
     // to rest it may as well be turning back.
-    let is_held = run.normal_force[at] > 0.0;
+    let is_held = sensed
+        .normal_force
+        .get(at)
+        .is_some_and(|force| *force > 0.0);
     if still {
         return if is_held && hidden < 2.0 * SLOW * speed {
             Motion::Stuck

@@ -3,7 +3,8 @@
 use crate::record::{Run, channel};
 use crate::scales::Scales;
 use crate::trace::Motion;
-use stickslip::plant::{Rig, RigState, STATES, index};
+use stickslip::plant::{Rig, RigKind, RigState, STATES, index};
+use stickslip::series::Scalar;
 
 /// Length of a window, in radians of the shaft's natural oscillation: 0.38 of its period.
 pub const LENGTH: f64 = 2.4;
@@ -20,8 +21,9 @@ const AT_REST: f64 = 1e-7;
 /// Standard deviation of a start that is known exactly.
 const EXACT: f64 = 1e-9;
 
-/// State components that a window may start from: all of the reduced rig, the relaxing torque and the bristles.
-pub const START_COMPONENTS: [usize; 7] = [
+/// State components that a window may start from: all of the reduced rig, the relaxing torque, the bristles, and disc D1 of
+/// the full rig.
+pub const START_COMPONENTS: [usize; 9] = [
     index::THETA,
     index::OMEGA,
     index::THETA3,
@@ -29,9 +31,22 @@ pub const START_COMPONENTS: [usize; 7] = [
     index::CURRENT,
     index::RELAXING_TORQUE,
     index::BRISTLE,
+    index::THETA1,
+    index::OMEGA1,
 ];
 /// Number of those components.
 pub const STARTS: usize = START_COMPONENTS.len();
+/// Those of them, at the end, that only the full rig has.
+const OUTER_STARTS: usize = 2;
+
+/// Number of the components, from the first, that windows of this rig start from.
+#[must_use]
+pub fn starts_of<S: Scalar>(rig: &Rig<S>) -> usize {
+    match rig.kind() {
+        RigKind::Reduced => STARTS - OUTER_STARTS,
+        RigKind::Full => STARTS,
+    }
+}
 
 /// A window of one record.
 #[derive(Clone, Debug)]
@@ -44,8 +59,8 @@ pub struct Window {
     pub last: usize,
     /// State at the first sample as measured.
     pub anchor: RigState<f64>,
-    /// Acceleration of the disc at the first sample as measured: on which branch of a law with branches the window starts.
-    pub acceleration: f64,
+    /// Accelerations of D2 and D1 at the first sample as measured: on which branch of a law with branches the window starts.
+    pub accelerations: [f64; 2],
     /// Standard deviations with which the anchor is known, in the order of [`START_COMPONENTS`].
     pub deviations: [f64; STARTS],
 }
@@ -61,7 +76,8 @@ impl Window {
             .zip(change)
             .zip(self.deviations)
         {
-            if component != index::OMEGA || deviation > AT_REST {
+            let is_disc = component == index::OMEGA || component == index::OMEGA1;
+            if !is_disc || deviation > AT_REST {
                 moved[component] += change;
             }
         }
@@ -90,6 +106,7 @@ impl Begin {
 
     fn is_good(self, run: &Run, scales: &Scales, at: usize) -> bool {
         match run.traces.motion[at] {
+            _ if !run.traces.is_clear(at) => false,
             Motion::Unclear => false,
             Motion::Stuck => true,
             Motion::Sliding => {
@@ -157,7 +174,7 @@ impl Cut {
                 .or_else(|| {
                     (0..per_window / 2)
                         .take_while(within)
-                        .find(|d| run.traces.motion[last + d] != Motion::Unclear)
+                        .find(|d| run.traces.is_clear(last + d))
                 });
             last += good.unwrap_or(0);
             last = last.min(run.len() - 1);
@@ -175,7 +192,7 @@ impl Cut {
                 first,
                 last,
                 anchor,
-                acceleration: 0.0,
+                accelerations: [0.0; 2],
                 deviations: [EXACT; STARTS],
             };
         }
@@ -201,26 +218,41 @@ impl Cut {
                 deviation.max(0.01 * twist)
             }
         };
-        let disc_velocity = if stuck {
-            AT_REST
-        } else {
-            0.15 * speed + 10.0 * disc.velocity_deviation
+        let velocity = |stuck: bool, deviation: f64| {
+            if stuck {
+                AT_REST
+            } else {
+                0.15 * speed + 10.0 * deviation
+            }
         };
         let seen = run.has(channel::THETA) || !run.has(channel::OMEGA);
+        let (mut outer_angle, mut outer_velocity, mut outer_acceleration) = (EXACT, EXACT, 0.0);
+        if let Some(outer) = &traces.outer {
+            let stuck = outer.motion[first] == Motion::Stuck;
+            let disc1 = &outer.disc;
+            anchor[index::THETA1] = disc1.angle[first];
+            anchor[index::OMEGA1] = if stuck { 0.0 } else { disc1.velocity[first] };
+            outer_acceleration = disc1.acceleration[first];
+            let seen = run.has(channel::THETA1) || !run.has(channel::OMEGA1);
+            outer_angle = angle(seen, disc1.angle_deviation[first], 0.3);
+            outer_velocity = velocity(stuck, disc1.velocity_deviation);
+        }
         Window {
             run: run_index,
             first,
             last,
             anchor,
-            acceleration: disc.acceleration[first],
+            accelerations: [disc.acceleration[first], outer_acceleration],
             deviations: [
                 angle(seen, disc.angle_deviation[first], 0.3),
-                disc_velocity,
+                velocity(stuck, disc.velocity_deviation),
                 angle(run.has(channel::THETA3), gear.angle_deviation[first], 0.1),
                 0.05 * speed + 10.0 * gear.velocity_deviation,
                 self.current,
                 0.1 * twist,
                 0.003 * twist,
+                outer_angle,
+                outer_velocity,
             ],
         }
     }
@@ -246,6 +278,8 @@ fn starts_at_rest(run: &Run, scales: &Scales) -> bool {
         .is_some_and(|time| time.abs() < run.interval())
         && slow(channel::OMEGA)
         && slow(channel::OMEGA3)
+        && slow(channel::OMEGA1)
         && at_zero(channel::THETA)
         && at_zero(channel::THETA3)
+        && at_zero(channel::THETA1)
 }

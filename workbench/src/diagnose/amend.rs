@@ -11,7 +11,7 @@ use inference::hypothesis::Estimate;
 use inference::units::PlantUnits;
 use stickslip::friction::Law;
 use stickslip::parameter::{ParameterError, ParameterInfo};
-use stickslip::plant::{ModelFile, ModelFileError, Provenance, Rig};
+use stickslip::plant::{ModelFile, ModelFileError, Provenance, Rig, RigKind};
 use thiserror::Error;
 
 use super::case::Case;
@@ -21,8 +21,15 @@ use crate::files::atomic::{self, WriteError};
 
 /// Name of the amended model in the output directory.
 pub const FILE: &str = "model.amended.toml";
+
 /// Names of its FMUs there.
-pub const FMU_FILES: [&str; 2] = ["ReducedRig.fmi2.fmu", "ReducedRig.fmi3.fmu"];
+#[must_use]
+pub fn fmu_files(rig: &Rig<f64>) -> [&'static str; 2] {
+    match rig.kind() {
+        RigKind::Reduced => ["ReducedRig.fmi2.fmu", "ReducedRig.fmi3.fmu"],
+        RigKind::Full => ["FullRig.fmi2.fmu", "FullRig.fmi3.fmu"],
+    }
+}
 
 /// Standard deviations from the middle to the end of a 95 % interval.
 const TO_95_PERCENT: f64 = 1.96;
@@ -252,7 +259,7 @@ fn with_effect(
         {
             return None;
         }
-        let Ok(()) = amended.effects.insert(section, number)?;
+        let Ok(()) = amended.insert_effect(section, number)?;
     }
     Some(amended)
 }

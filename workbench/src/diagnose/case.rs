@@ -11,13 +11,13 @@ use inference::record::{CHANNELS, Instruments, RawRecord};
 use inference::units::PlantUnits;
 use inference::window::{Begin, LENGTH, UNSEEN};
 use stickslip::parameter::ParameterError;
-use stickslip::plant::{ModelFile, ModelFileError, RigKind};
+use stickslip::plant::{ModelFile, ModelFileError};
 use thiserror::Error;
 
 use super::catalogue::CATALOGUE;
 use super::input_check::{note_on_inputs, same};
 use super::load_cell::denoise;
-use super::record_check::{Checked, RecordProblem, check, natural_period};
+use super::record_check::{COLUMNS, Checked, INPUTS, RecordProblem, check, natural_period};
 use super::record_part::{Part, PartError};
 use super::rig_columns::{ColumnsError, RigColumns, about};
 use super::sensors::{SensorError, Sensors, described, in_the_middle};
@@ -98,14 +98,6 @@ pub enum CaseError {
     /// The model file is wrong.
     #[error(transparent)]
     Model(#[from] ModelFileError),
-    /// The model is of the full rig.
-    #[error(
-        "{file}: describes the full rig with disc D1; a diagnosis needs the reduced rig, without [disc1], [shaft1] and [contact1]"
-    )]
-    FullRig {
-        /// The model file.
-        file: String,
-    },
     /// The model file states an uncertainty that cannot be one.
     #[error(transparent)]
     Uncertainty(#[from] UncertaintyError),
@@ -177,9 +169,6 @@ impl CaseArguments {
         let model_name = model_path.display().to_string();
         let (columns, model_text) = RigColumns::split_off(&read(&model_path)?, &model_name)?;
         let model = ModelFile::parse(&model_text, &model_name)?;
-        if model.rig.kind() != RigKind::Reduced {
-            return Err(CaseError::FullRig { file: model_name });
-        }
         let (uncertainties, assumed) = uncertainties(&model, &model_name)?;
         let mut notes: Vec<String> = assumed.into_iter().collect();
         let mut said = Vec::new();
@@ -265,10 +254,7 @@ impl CaseArguments {
                 estimated
             }
         };
-        for (c, name) in ["theta", "theta_dot", "theta3", "theta3_dot", "i"]
-            .iter()
-            .enumerate()
-        {
+        for (c, name) in COLUMNS[INPUTS..INPUTS + CHANNELS].iter().enumerate() {
             let is_there = runs.iter().any(|run| !run.readings[c].is_empty());
             if is_there && instruments.deviations()[c] == 0.0 {
                 notes.push(format!("column not used: {name}, which never changes"));
@@ -277,12 +263,16 @@ impl CaseArguments {
                 }
             }
         }
-        let forces: Vec<&[f64]> = runs.iter().map(|run| run.normal_force.as_slice()).collect();
-        let noise = stated
-            .and_then(|(sensors, _)| sensors.load_cell_noise)
-            .unwrap_or_else(|| load_noise(&forces));
+        let stated_noise = stated.and_then(|(sensors, _)| sensors.load_cell_noise);
+        let noise_of = |force: fn(&RawRecord) -> &Vec<f64>| {
+            let forces: Vec<&[f64]> = runs.iter().map(|run| force(run).as_slice()).collect();
+            stated_noise.unwrap_or_else(|| load_noise(&forces))
+        };
+        let noise = noise_of(|run| &run.normal_force);
+        let noise_1 = noise_of(|run| &run.normal_force_1);
         for record in runs.iter_mut().chain(&mut held_out) {
             record.normal_force = denoise(&record.normal_force, noise);
+            record.normal_force_1 = denoise(&record.normal_force_1, noise_1);
         }
         notes.extend(note_on_inputs(&runs));
         let name = match &self.case {
@@ -481,12 +471,13 @@ fn stretches(checked: &Checked) -> Vec<RawRecord> {
         .stretches
         .iter()
         .map(|stretch| {
-            let [voltage, normal_force, readings @ ..] = &stretch.columns;
+            let [voltage, normal_force, readings @ .., normal_force_1] = &stretch.columns;
             RawRecord {
                 name: checked.name.clone(),
                 time: stretch.time.clone(),
                 voltage: voltage.clone(),
                 normal_force: normal_force.clone(),
+                normal_force_1: normal_force_1.clone(),
                 readings: readings.clone(),
             }
         })

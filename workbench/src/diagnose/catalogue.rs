@@ -195,6 +195,37 @@ pub const CATALOGUE: &[Entry] = &[
         confusable: &["stribeck"],
         symbols: &[],
     },
+    Entry {
+        name: "bearing_friction1",
+        description: "dry friction of disc D1's bearings in the full rig, present without normal force",
+        signature: "a constant torque against the motion of disc D1, also in runs without brake; it sticks",
+        confusable: &["bearing_friction"],
+        symbols: &[("bearing_friction1.torque", "bearing_T")],
+    },
+    Entry {
+        name: "unbalance1",
+        description: "a disc D1 of the full rig whose centre of mass is off the axis",
+        signature: "residual torque on disc D1 at the first order of its angle, also without brake",
+        confusable: &["unbalance"],
+        symbols: &[
+            ("unbalance1.torque", "unbal_T"),
+            ("unbalance1.phase", "unbal_ph"),
+        ],
+    },
+    Entry {
+        name: "viscous_drag1",
+        description: "viscous drag on disc D1 of the full rig",
+        signature: "residual torque in proportion to the speed of disc D1",
+        confusable: &["viscous_drag", "quadratic_drag1"],
+        symbols: &[("viscous_drag1.coefficient", "visc")],
+    },
+    Entry {
+        name: "quadratic_drag1",
+        description: "aerodynamic drag on disc D1 of the full rig",
+        signature: "residual torque that grows with the square of the speed of disc D1",
+        confusable: &["quadratic_drag", "viscous_drag1"],
+        symbols: &[("quadratic_drag1.coefficient", "quad")],
+    },
 ];
 
 /// The catalogue's entry of this name.

@@ -74,7 +74,7 @@ impl Session {
         self.interruptible.write(finding::FILE, || {
             for name in [naming::EXPERIMENT_FILE, amend::FILE, report::FILE]
                 .into_iter()
-                .chain(amend::FMU_FILES)
+                .chain(amend::fmu_files(&self.case.model.rig))
             {
                 remove(&self.out.join(name))?;
             }
@@ -155,7 +155,7 @@ impl Session {
             self.out.join(report::FILE).display(),
             finding::FILE,
             amend::FILE,
-            amend::FMU_FILES.join(", "),
+            amend::fmu_files(&self.case.model.rig).join(", "),
             finding.seconds
         );
     }

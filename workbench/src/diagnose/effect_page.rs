@@ -7,7 +7,7 @@ use build_fmu::documentation::equations;
 use clap::Args;
 use stickslip::friction::{CoulombStiction, Stribeck, TwoGaussianMu};
 use stickslip::parameter::ParameterInfo;
-use stickslip::plant::Effects;
+use stickslip::plant::effect_infos;
 
 use super::amend::law_of;
 use super::catalogue::{CATALOGUE, Entry};
@@ -123,7 +123,7 @@ fn parameters(entry: &Entry) -> &'static [ParameterInfo] {
             _ => TwoGaussianMu::<f64>::INFOS,
         };
     }
-    Effects::<f64>::infos(entry.name).unwrap_or_default()
+    effect_infos(entry.name).unwrap_or_default()
 }
 
 fn capital(text: &str) -> String {

@@ -130,7 +130,7 @@ const CANDIDATES: [Inputs; 6] = [
 
 /// The best of the candidates.
 pub struct Proposal {
-    /// Its inputs `u` and `N2` over time.
+    /// Its inputs `u`, `N2` and, of the full rig, `N1` over time.
     pub inputs: Record,
     /// What is done, in words.
     pub description: String,
@@ -143,6 +143,7 @@ pub struct Proposal {
 struct Reach {
     voltage: f64,
     force: f64,
+    force_1: f64,
 }
 
 impl Reach {
@@ -158,6 +159,7 @@ impl Reach {
         Self {
             voltage: largest(|run| &run.voltage),
             force: largest(|run| &run.normal_force),
+            force_1: largest(|run| &run.normal_force_1),
         }
     }
 }
@@ -195,12 +197,19 @@ pub fn propose(
     let mut record = Record::new("experiment.csv", raw.time)?;
     record.add_column("u", raw.voltage)?;
     record.add_column("N2", raw.normal_force)?;
+    if !raw.normal_force_1.is_empty() {
+        record.add_column("N1", raw.normal_force_1)?;
+    }
+    let mut description =
+        (candidate.description)(reach.voltage * units.voltage(), reach.force * units.force);
+    if reach.force_1 > 0.0 {
+        let largest = number(reach.force_1 * units.force);
+        description +=
+            &format!(" The normal force on disc D1 takes the same course, up to {largest} N.");
+    }
     Ok(Some(Proposal {
         inputs: record,
-        description: (candidate.description)(
-            reach.voltage * units.voltage(),
-            reach.force * units.force,
-        ),
+        description,
         power: 0.5 * (power(if_amended) + power(if_rival)),
     }))
 }
@@ -264,11 +273,14 @@ pub enum ProposalError {
 fn inputs(problem: &Problem, candidate: &Inputs) -> RawRecord {
     let (reach, units) = (Reach::of(problem), &problem.units);
     let count = (LENGTH / STEP) as usize;
-    let (mut voltage, mut normal_force) = (Vec::new(), Vec::new());
+    let (mut voltage, mut normal_force, mut normal_force_1) = (Vec::new(), Vec::new(), Vec::new());
     for row in 0..=count {
         let (u, n) = (candidate.shape)(row as f64 / count as f64);
         voltage.push(u * reach.voltage * units.voltage());
         normal_force.push(n * reach.force * units.force);
+        if problem.rig.outer.is_some() {
+            normal_force_1.push(n * reach.force_1 * units.force);
+        }
     }
     RawRecord {
         name: "prediction".to_owned(),
@@ -277,6 +289,7 @@ fn inputs(problem: &Problem, candidate: &Inputs) -> RawRecord {
             .collect(),
         voltage,
         normal_force,
+        normal_force_1,
         readings: Default::default(),
     }
 }
@@ -391,7 +404,7 @@ mod tests {
         // Sensors so bad that the experiment does not decide with certainty.
         let instruments = Instruments {
             step: [0.0; inference::record::CHANNELS],
-            noise: [0.04, 1.1, 0.005, 0.14, 0.0],
+            noise: [0.04, 1.1, 0.005, 0.14, 0.0, 0.0, 0.0],
         };
         // Learned from one speed without brake: drag and dry friction of the bearings are the same there.
         let count = 4000;

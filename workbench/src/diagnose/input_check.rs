@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use inference::record::RawRecord;
+use inference::record::{CHANNELS, RawRecord};
 
 use super::record_check::{COLUMNS, INPUTS};
 use crate::files::record::Record;
@@ -28,7 +28,7 @@ pub fn same(left: &Record, right: &Record) -> bool {
 /// The different successions of rows with motion, bit by bit; 0 for a column that was not measured.
 fn readings(record: &Record) -> BTreeSet<Vec<u64>> {
     let columns = COLUMNS.map(|name| record.column(name));
-    let motion = &columns[INPUTS..];
+    let motion = &columns[INPUTS..INPUTS + CHANNELS];
     let moves = |row: usize| motion.iter().flatten().all(|column| column[row] != 0.0);
     let rows: Vec<[u64; COLUMNS.len()]> = (0..record.len())
         .filter(|row| motion.iter().any(Option::is_some) && moves(*row))

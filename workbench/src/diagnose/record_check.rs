@@ -2,19 +2,43 @@
 
 use std::f64::consts::TAU;
 
-use inference::record::CHANNELS;
-use stickslip::plant::Rig;
+use inference::record::{CHANNELS, channel};
+use stickslip::plant::{Rig, RigKind};
 use thiserror::Error;
 
 use super::console::number;
 use super::record_units::{check_angles, check_units};
 use crate::files::record::{Record, RecordError};
 
-/// Columns that a diagnosis can use, in this order: the inputs, which it needs, and what may be measured of the motion.
-pub const COLUMNS: [&str; INPUTS + CHANNELS] =
-    ["u", "N2", "theta", "theta_dot", "theta3", "theta3_dot", "i"];
-/// How many of them, from the first, are inputs.
+/// Columns that a diagnosis can use, in this order: inputs, which it needs, what may be measured of the motion, and of the
+/// full rig the normal force on disc D1, which it needs too.
+pub const COLUMNS: [&str; WIDTH] = [
+    "u",
+    "N2",
+    "theta",
+    "theta_dot",
+    "theta3",
+    "theta3_dot",
+    "i",
+    "theta1",
+    "theta1_dot",
+    "N1",
+];
+/// How many of them, from the first, are inputs of every rig.
 pub(super) const INPUTS: usize = 2;
+/// How many of them, from the first, the reduced rig has.
+const REDUCED: usize = INPUTS + channel::THETA1;
+const WIDTH: usize = INPUTS + CHANNELS + 1;
+/// The columns of the motion of disc D2 and of the gearbox output, one of which is needed.
+const NEEDED: std::ops::Range<usize> = INPUTS..INPUTS + channel::CURRENT;
+
+/// The columns that records of this rig have.
+fn columns(rig: &Rig<f64>) -> &'static [&'static str] {
+    match rig.kind() {
+        RigKind::Reduced => &COLUMNS[..REDUCED],
+        RigKind::Full => &COLUMNS,
+    }
+}
 /// Shortest stretch that is used, in natural periods of the disc on its shaft.
 const SHORTEST_STRETCH: f64 = 0.75;
 /// Fewest samples in such a period at which sticking and slipping can be followed.
@@ -34,7 +58,7 @@ pub fn natural_period(rig: &Rig<f64>) -> f64 {
 pub enum RecordProblem {
     /// An input is missing.
     #[error(
-        "{0}; a diagnosis needs time, u, N2 and some of theta, theta_dot, theta3, theta3_dot and i"
+        "{0}; a diagnosis needs time, u, N2 (and N1 of the full rig) and some of theta, theta_dot, theta3, theta3_dot and i"
     )]
     Column(RecordError),
     /// No motion was measured.
@@ -163,7 +187,7 @@ pub struct Stretch {
     /// Sample times [s].
     pub time: Vec<f64>,
     /// The columns of [`COLUMNS`]; empty where one was not measured.
-    pub columns: [Vec<f64>; INPUTS + CHANNELS],
+    pub columns: [Vec<f64>; WIDTH],
 }
 
 /// A record that can be used.
@@ -178,7 +202,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Which of θ2, ω2, θ3, ω3, i were measured.
+    /// Which channels were measured.
     #[must_use]
     pub fn has(&self) -> [bool; CHANNELS] {
         let first = self.stretches.first();
@@ -193,24 +217,23 @@ impl Checked {
 pub fn check(record: &Record, rig: &Rig<f64>) -> Result<Checked, RecordProblem> {
     let file = record.source().to_owned();
     let mut notes = Vec::new();
-    for name in &COLUMNS[..INPUTS] {
+    let used = columns(rig);
+    let outer_force = used[REDUCED..].last();
+    for name in used[..INPUTS].iter().chain(outer_force) {
         record.require(name).map_err(RecordProblem::Column)?;
     }
-    if COLUMNS[INPUTS..COLUMNS.len() - 1]
+    if COLUMNS[NEEDED]
         .iter()
         .all(|name| record.column(name).is_none())
     {
         return Err(RecordProblem::NoColumn { file });
     }
-    let ignored: Vec<&str> = record
-        .names()
-        .filter(|name| !COLUMNS.contains(name))
-        .collect();
+    let ignored: Vec<&str> = record.names().filter(|name| !used.contains(name)).collect();
     if !ignored.is_empty() {
         notes.push(format!("{file}: columns not used: {}", ignored.join(", ")));
     }
     let period = natural_period(rig);
-    let stretches = stretches(record, &COLUMNS, rig, &mut notes)?;
+    let stretches = stretches(record, used, rig, &mut notes)?;
     let interval = record.median_step();
     check_units(&file, &stretches, rig)?;
     let longest = period / FEWEST_SAMPLES;
@@ -252,7 +275,7 @@ fn thinned(stretch: &Stretch, every: usize) -> Stretch {
         time: pick(&stretch.time),
         columns: std::array::from_fn(|c| {
             let series = &stretch.columns[c];
-            if c < INPUTS {
+            if c < INPUTS || c + 1 == WIDTH {
                 mean(series)
             } else {
                 pick(series)
@@ -268,7 +291,7 @@ fn stretches(
     notes: &mut Vec<String>,
 ) -> Result<Vec<Stretch>, RecordProblem> {
     let needed = SHORTEST_STRETCH * natural_period(rig);
-    let columns: [&[f64]; INPUTS + CHANNELS] = std::array::from_fn(|c| {
+    let columns: [&[f64]; WIDTH] = std::array::from_fn(|c| {
         let name = used.get(c).copied();
         name.and_then(|name| record.column(name))
             .unwrap_or_default()
@@ -344,6 +367,9 @@ mod tests {
                 column(3),
                 column(4),
                 column(5),
+                Vec::new(),
+                Vec::new(),
+                Vec::new(),
                 Vec::new(),
             ],
         };

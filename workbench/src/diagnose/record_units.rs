@@ -63,9 +63,11 @@ pub fn check_angles(
     stretches: &[Stretch],
     gear_ratio: f64,
 ) -> Result<(), RecordProblem> {
-    for (column, rate, angle_at, rate_at) in
-        [("theta", "theta_dot", 2, 3), ("theta3", "theta3_dot", 4, 5)]
-    {
+    for (column, rate, angle_at, rate_at) in [
+        ("theta", "theta_dot", 2, 3),
+        ("theta3", "theta3_dot", 4, 5),
+        ("theta1", "theta1_dot", 7, 8),
+    ] {
         if let Some((still, moving)) = dead(stretches, (column, angle_at), (rate, rate_at)) {
             return Err(RecordProblem::Dead {
                 file: file.to_owned(),

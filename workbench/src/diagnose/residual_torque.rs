@@ -2,7 +2,7 @@
 //! records.
 
 use inference::data::{Data, reduced};
-use inference::gram::{Gram, Place};
+use inference::gram::Place;
 use inference::marginal::Disturbance;
 use inference::units::PlantUnits;
 use stickslip::parameter::ParameterError;
@@ -59,7 +59,7 @@ pub fn residual_torques(
             })
         };
         for (piece, place) in gram.places.iter().enumerate() {
-            let (disc, disc_deviation) = at(Gram::DISC + piece);
+            let (disc, disc_deviation) = at(gram.disc() + piece);
             let (motor, motor_deviation) = at(gram.motor() + piece);
             found.push(ResidualTorque {
                 run: window.run,

@@ -8,7 +8,7 @@ use inference::data::{Data, grams, reduced};
 use inference::gram::Gram;
 use inference::hypothesis::Hypothesis;
 use inference::marginal::Disturbance;
-use inference::record::{CHANNELS, RawRecord};
+use inference::record::{CHANNELS, RawRecord, channel};
 use inference::units::PlantUnits;
 use inference::window::{PIECE, START_COMPONENTS, Window};
 use nalgebra::{DMatrix, DVector};
@@ -22,7 +22,7 @@ const MOST_IMPROVEMENTS: usize = 20;
 /// Decrease of a window's sum of squares below which its start is good.
 const GOOD: f64 = 0.01;
 
-/// Channels of the disc, which a delay concerns: θ2 and ω2.
+/// Channels of disc D2, which a delay concerns: θ2 and ω2.
 const DISC_CHANNELS: usize = 2;
 
 /// Where windows start under a model, in the plant's units, and what the right model would leave.
@@ -141,11 +141,11 @@ impl Starts {
 }
 
 fn floor(gram: &Gram, window: &Window, disturbance: &Disturbance) -> Option<f64> {
-    let starts = START_COMPONENTS.len();
+    let starts = gram.starts;
     let pieces = gram.pieces;
     let own = gram.products.view((0, 0), (starts, starts)).into_owned();
     let mut penalised = own.clone();
-    for (j, deviation) in window.deviations.iter().enumerate() {
+    for (j, deviation) in window.deviations[..starts].iter().enumerate() {
         penalised[(j, j)] += 1.0 / (deviation * deviation);
     }
     let inverse = penalised.cholesky()?.inverse();
@@ -156,11 +156,11 @@ fn floor(gram: &Gram, window: &Window, disturbance: &Disturbance) -> Option<f64>
     }
     let torque = gram
         .products
-        .view((Gram::DISC, Gram::DISC), (pieces, pieces))
+        .view((starts, starts), (pieces, pieces))
         .into_owned();
     let cross = gram
         .products
-        .view((0, Gram::DISC), (starts, pieces))
+        .view((0, starts), (starts, pieces))
         .into_owned();
     let solved = &inverse * &cross;
     let left = torque - cross.transpose() * &solved * 2.0 + solved.transpose() * own * &solved;
@@ -177,7 +177,7 @@ fn floor(gram: &Gram, window: &Window, disturbance: &Disturbance) -> Option<f64>
 /// A window as a component ran it.
 #[derive(Debug, Clone)]
 pub struct WindowCourse {
-    /// Values of θ2, ω2, θ3, ω3, i at the window's samples, SI units.
+    /// Values of the channels at the window's samples, SI units; empty for those of a disc D1 that is not there.
     pub values: [Vec<f64>; CHANNELS],
     /// Friction torque on the disc at the window's samples [N m].
     pub friction: Vec<f64>,
@@ -189,43 +189,55 @@ pub struct WindowCourse {
 
 /// Positions of what is set and read in a component.
 struct Ports {
-    inputs: [usize; 2],
+    voltage: usize,
+    normal_force: usize,
+    normal_force_1: Option<usize>,
     states: Vec<(usize, usize)>,
-    outputs: [usize; CHANNELS + 1],
+    /// The channels that there are, and the friction torque.
+    outputs: Vec<usize>,
 }
+
+/// Variables of the channels and the states that they show.
+const MOTION: [(&str, usize); CHANNELS] = [
+    ("theta", index::THETA),
+    ("theta_dot", index::OMEGA),
+    ("theta3", index::THETA3),
+    ("theta3_dot", index::OMEGA3),
+    ("i", index::CURRENT),
+    ("theta1", index::THETA1),
+    ("theta1_dot", index::OMEGA1),
+];
 
 impl Ports {
     fn of(component: &dyn Component) -> Result<Self, ComponentError> {
         let at = |name: &str| position(component, name);
+        let normal_force_1 = at("N1").ok();
+        let channels = if normal_force_1.is_some() {
+            &MOTION[..]
+        } else {
+            &MOTION[..channel::THETA1]
+        };
         let mut states = Vec::new();
-        for (name, state) in [
-            ("theta", index::THETA),
-            ("theta_dot", index::OMEGA),
-            ("theta3", index::THETA3),
-            ("theta3_dot", index::OMEGA3),
-            ("i", index::CURRENT),
-        ] {
+        for &(name, state) in channels {
             states.push((at(name)?, state));
         }
+        let mut outputs: Vec<usize> = states.iter().map(|(place, _)| *place).collect();
+        outputs.push(at("T_f")?);
         for (name, state) in [
             ("shaft_hysteresis_torque", index::RELAXING_TORQUE),
             ("presliding_deflection", index::BRISTLE),
+            ("presliding_deflection1", index::BRISTLE1),
         ] {
             if let Ok(place) = at(name) {
                 states.push((place, state));
             }
         }
         Ok(Self {
-            inputs: [at("u")?, at("N2")?],
+            voltage: at("u")?,
+            normal_force: at("N2")?,
+            normal_force_1,
             states,
-            outputs: [
-                at("theta")?,
-                at("theta_dot")?,
-                at("theta3")?,
-                at("theta3_dot")?,
-                at("i")?,
-                at("T_f")?,
-            ],
+            outputs,
         })
     }
 
@@ -248,15 +260,25 @@ impl Ports {
         component.initialise(run.time[from], run.time[to])
     }
 
-    fn held(&self, run: &RawRecord, sample: usize) -> [(usize, f64); 2] {
-        [
-            (self.inputs[0], run.voltage[sample]),
-            (self.inputs[1], run.normal_force[sample]),
-        ]
+    fn held(&self, run: &RawRecord, sample: usize) -> Vec<(usize, f64)> {
+        let mut held = vec![
+            (self.voltage, run.voltage[sample]),
+            (self.normal_force, run.normal_force[sample]),
+        ];
+        let force_1 = run.normal_force_1.get(sample);
+        held.extend(self.normal_force_1.zip(force_1.copied()));
+        held
     }
 }
 
-/// Runs `component` from `state` over the samples `from` … `to` of a record, SI units: θ2, ω2, θ3, ω3, i and the friction
+/// Whether an input differs from that of the sample before.
+fn is_changed(run: &RawRecord, sample: usize) -> bool {
+    [&run.voltage, &run.normal_force, &run.normal_force_1]
+        .iter()
+        .any(|input| input.get(sample) != input.get(sample - 1))
+}
+
+/// Runs `component` from `state` over the samples `from` … `to` of a record, SI units: its channels and the friction
 /// torque on the disc [N m].
 ///
 /// # Errors
@@ -272,21 +294,21 @@ pub fn course(
     ports.start(component, run, from, to, state)?;
     let mut values: [Vec<f64>; CHANNELS] = Default::default();
     let mut friction = Vec::with_capacity(to - from + 1);
-    let mut row = [0.0; CHANNELS + 1];
+    let mut row = vec![0.0; ports.outputs.len()];
     for sample in from..=to {
         if sample > from {
             component.step(run.time[sample - 1], run.time[sample])?;
-            if run.voltage[sample] != run.voltage[sample - 1]
-                || run.normal_force[sample] != run.normal_force[sample - 1]
-            {
+            if is_changed(run, sample) {
                 component.set(&ports.held(run, sample))?;
             }
         }
         component.get(&ports.outputs, &mut row)?;
-        for (channel, value) in values.iter_mut().zip(row) {
-            channel.push(value);
+        if let [channels @ .., torque] = &row[..] {
+            for (channel, value) in values.iter_mut().zip(channels) {
+                channel.push(*value);
+            }
+            friction.push(*torque);
         }
-        friction.push(row[CHANNELS]);
     }
     Ok((values, friction))
 }

@@ -5,30 +5,34 @@ use serde::Deserialize;
 use std::f64::consts::TAU;
 use thiserror::Error;
 
-/// Keys of the channels θ2, ω2, θ3, ω3, i in a sensor file.
+use super::record_check::{COLUMNS, INPUTS};
+
+/// Keys of the channels in a sensor file; the two discs have sensors of one kind.
 const KEYS: [&str; CHANNELS] = [
     "disc_encoder_step",
     "disc_velocity_noise",
     "gear_encoder_step",
     "gear_velocity_noise",
     "current_noise",
+    "disc_encoder_step",
+    "disc_velocity_noise",
 ];
 
 /// Steps and noise of the rig's instruments, SI units; what was not stated is absent.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Sensors {
-    /// Step of the disc's encoder [rad], rounded down.
+    /// Step of the encoder of every disc [rad], rounded down.
     pub disc_encoder_step: Option<f64>,
     /// Step of the motor's encoder seen at the gearbox output [rad], rounded down.
     pub gear_encoder_step: Option<f64>,
-    /// Standard deviation of the disc's velocity [rad/s].
+    /// Standard deviation of the velocity of every disc [rad/s].
     pub disc_velocity_noise: Option<f64>,
     /// Standard deviation of the gearbox output's velocity [rad/s].
     pub gear_velocity_noise: Option<f64>,
     /// Standard deviation of the armature current [A].
     pub current_noise: Option<f64>,
-    /// Standard deviation of the load cell [N].
+    /// Standard deviation of every load cell [N].
     pub load_cell_noise: Option<f64>,
 }
 
@@ -104,7 +108,7 @@ impl Sensors {
         Ok(sensors)
     }
 
-    /// What is stated of the channels θ2, ω2, θ3, ω3, i: an encoder's step or another instrument's noise.
+    /// What is stated of the channels: an encoder's step or another instrument's noise.
     #[must_use]
     pub fn channels(&self) -> [Option<f64>; CHANNELS] {
         [
@@ -113,6 +117,8 @@ impl Sensors {
             self.gear_encoder_step,
             self.gear_velocity_noise,
             self.current_noise,
+            self.disc_encoder_step,
+            self.disc_velocity_noise,
         ]
     }
 
@@ -126,10 +132,13 @@ impl Sensors {
         record: &str,
         has: [bool; CHANNELS],
     ) -> Result<(), SensorError> {
-        let missing: Vec<&str> = (0..channel::CURRENT)
-            .filter(|&c| has[c] && self.channels()[c].is_none())
-            .map(|c| KEYS[c])
-            .collect();
+        let mut missing: Vec<&str> = Vec::new();
+        for c in (0..CHANNELS).filter(|c| *c != channel::CURRENT) {
+            let is_missing = has[c] && self.channels()[c].is_none();
+            if is_missing && !missing.contains(&KEYS[c]) {
+                missing.push(KEYS[c]);
+            }
+        }
         if missing.is_empty() {
             return Ok(());
         }
@@ -146,7 +155,7 @@ impl Sensors {
         let mut instruments = *estimated;
         for (c, stated) in self.channels().into_iter().enumerate() {
             if let Some(stated) = stated {
-                let is_step = c == channel::THETA || c == channel::THETA3;
+                let is_step = [channel::THETA, channel::THETA3, channel::THETA1].contains(&c);
                 instruments.step[c] = if is_step { stated } else { 0.0 };
                 instruments.noise[c] = if is_step { 0.0 } else { stated };
             }
@@ -158,8 +167,8 @@ impl Sensors {
 /// Instruments that were estimated from the records, in words.
 #[must_use]
 pub fn described(estimated: &Instruments) -> String {
-    let units = ["rad", "rad/s", "rad", "rad/s", "A"];
-    let names = ["theta", "theta_dot", "theta3", "theta3_dot", "i"];
+    let units = ["rad", "rad/s", "rad", "rad/s", "A", "rad", "rad/s"];
+    let names = &COLUMNS[INPUTS..];
     let told: Vec<String> = (0..CHANNELS)
         .filter_map(|c| {
             let (step, noise) = (estimated.step[c], estimated.noise[c]);
@@ -204,7 +213,7 @@ mod tests {
     fn keys_of_what_is_not_measured_may_be_left_out() {
         let text = "gear_encoder_step = 0.001\nload_cell_noise = 0.2\n";
         let sensors = Sensors::parse(text, "sensors.toml").unwrap();
-        let encoder = [false, false, true, false, true];
+        let encoder = [false, false, true, false, true, false, false];
         assert!(
             sensors
                 .check_for("sensors.toml", "run-a.csv", encoder)

@@ -57,7 +57,7 @@ pub enum ShowError {
 pub struct Shown {
     /// Each window from its best start.
     pub windows: Vec<Option<WindowCourse>>,
-    /// θ2, ω2, θ3, ω3, i of one run over the longest stretch, SI units; empty where the model cannot run through.
+    /// The channels of one run over the longest stretch, SI units; empty where the model cannot run through.
     pub free_run: [Vec<f64>; CHANNELS],
     /// Its friction torque [N m].
     pub friction: Vec<f64>,

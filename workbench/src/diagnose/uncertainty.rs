@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// Relative standard deviations [1] of nominal parameters where the model file states none: as well as such numbers are
 /// usually identified.
-const ASSUMED: [(&str, f64); 11] = [
+const ASSUMED: [(&str, f64); 18] = [
     ("disc.inertia", 0.006),
     ("shaft.stiffness", 0.02),
     ("shaft.damping", 0.06),
@@ -17,6 +17,13 @@ const ASSUMED: [(&str, f64); 11] = [
     ("contact.mu_s", 0.02),
     ("contact.a1", 0.02),
     ("contact.a2", 0.02),
+    ("disc1.inertia", 0.006),
+    ("shaft1.stiffness", 0.02),
+    ("shaft1.damping", 0.06),
+    ("contact1.mu_c", 0.02),
+    ("contact1.mu_s", 0.02),
+    ("contact1.a1", 0.02),
+    ("contact1.a2", 0.02),
 ];
 
 /// A relative uncertainty that cannot be one.

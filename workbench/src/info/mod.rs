@@ -79,7 +79,9 @@ fn describe_rig(model: &ModelFile) -> String {
         RigKind::Reduced => "reduced: motor, gearbox, shaft, disc D2",
         RigKind::Full => "full: motor, gearbox, shaft, disc D2, second shaft, disc D1",
     };
-    let effects: Vec<&str> = rig.effects.active().iter().map(|(name, _)| *name).collect();
+    let outer = rig.outer.iter().flat_map(|outer| outer.effects.active());
+    let active = rig.effects.active().into_iter().chain(outer);
+    let effects: Vec<&str> = active.map(|(name, _)| name).collect();
     let mut text = format!("rig      {kind}\nlaw      {} (pin on D2)\n", rig.law.name());
     if let Some(outer) = &rig.outer {
         let _ = writeln!(text, "law      {} (pin on D1)", outer.law.name());

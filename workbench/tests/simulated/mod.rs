@@ -59,7 +59,7 @@ pub fn sensed(model: &str, planned: &Record, seed: u64) -> String {
         time: planned.time().to_vec(),
         voltage: planned.require("u").unwrap().to_vec(),
         normal_force: planned.require("N2").unwrap().to_vec(),
-        readings: Default::default(),
+        ..RawRecord::default()
     };
     let mut native = Native::from_text(model, "the hidden truth").unwrap();
     let rest = [0.0; stickslip::plant::STATES];

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use inference::hypothesis::Estimate;
 use inference::record::{Instruments, channel};
 use inference::search::fit_effects;
+use stickslip::plant::RigKind;
 
 use super::data::Data;
 use super::decide::{Diagnosis, Progress, Verdict, diagnose};
@@ -58,7 +59,7 @@ pub fn is_asked(case: &Case) -> bool {
             .iter()
             .all(|readings| !readings.is_empty())
     });
-    rig && instruments && read
+    rig && instruments && read && case.model.rig.kind() == RigKind::Reduced
 }
 
 /// Names what is missing, with the inputs of an experiment where several effects are left.
@@ -76,7 +77,7 @@ pub fn name(
         (1.0 / ESTIMATED..=ESTIMATED).contains(&share)
     });
     let instruments = if is_usual { usual } else { case.instruments };
-    let [theta, omega, theta3, omega3, _] = instruments.deviations();
+    let [theta, omega, theta3, omega3, ..] = instruments.deviations();
     let runs: Vec<Run> = case
         .records
         .iter()

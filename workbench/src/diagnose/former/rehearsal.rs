@@ -155,7 +155,7 @@ mod tests {
         let cut = Cut::of(&model.rig, Begin::Clear);
         let data = Data::new(Arc::new(vec![run]), cut, {
             let none = inference::record::Instruments::default();
-            let [a, b, c, d, _] = Sensors::dissertation().completed(&none).deviations();
+            let [a, b, c, d, ..] = Sensors::dissertation().completed(&none).deviations();
             [a, b, c, d]
         });
         let hypothesis = Hypothesis::base(&model);

@@ -6,10 +6,12 @@ use super::candidates::candidates;
 use super::figures::Scaling;
 use super::markup::{capital, escape, figure, table};
 use super::{Report, figures};
+use crate::diagnose::amend::fmu_files;
 use crate::diagnose::catalogue::{Entry, entry};
 use crate::diagnose::console::{answer, number, percent, readable, shown_unit};
 use crate::diagnose::finding::{Finding, Located, Measures, ParameterValue, VerdictName};
 use crate::diagnose::show::LEAST_FLUCTUATION;
+use stickslip::plant::{Rig, RigKind};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("zoom.js");
@@ -26,7 +28,7 @@ pub fn page(report: &Report<'_>) -> String {
         parameters(report),
         floor(finding),
         confusions(finding),
-        usage(),
+        usage(&report.case.model.rig),
         notes(finding),
     ] {
         body.push_str(&section);
@@ -411,16 +413,28 @@ fn confusions(finding: &Finding) -> String {
     text
 }
 
-fn usage() -> String {
-    "<h2>How to use the amended FMU</h2>\n\
-     <p><code>ReducedRig.fmi2.fmu</code> and <code>ReducedRig.fmi3.fmu</code> beside this page are co-simulation FMUs of \
-     <code>model.amended.toml</code>. Inputs are <code>u</code> [V] and <code>N2</code> [N]; all parameters of the model \
+fn usage(rig: &Rig<f64>) -> String {
+    let [fmi2, fmi3] = fmu_files(rig);
+    let (inputs, columns) = match rig.kind() {
+        RigKind::Reduced => (
+            "<code>u</code> [V] and <code>N2</code> [N]",
+            "'time', 'u', 'N2'",
+        ),
+        RigKind::Full => (
+            "<code>u</code> [V], <code>N2</code> and <code>N1</code> [N]",
+            "'time', 'u', 'N2', 'N1'",
+        ),
+    };
+    format!(
+        "<h2>How to use the amended FMU</h2>\n\
+     <p><code>{fmi2}</code> and <code>{fmi3}</code> beside this page are co-simulation FMUs of \
+     <code>model.amended.toml</code>. Inputs are {inputs}; all parameters of the model \
      file can be set. Any record with these columns drives them:</p>\n\
-     <pre>stickslip simulate ReducedRig.fmi3.fmu --inputs held-out.csv --out result\n\n\
+     <pre>stickslip simulate {fmi3} --inputs held-out.csv --out result\n\n\
      # or in Python\nimport fmpy\nrecord = fmpy.read_csv('held-out.csv')\n\
-     result = fmpy.simulate_fmu('ReducedRig.fmi3.fmu', input=record[['time', 'u', 'N2']],\n    \
+     result = fmpy.simulate_fmu('{fmi3}', input=record[[{columns}]],\n    \
      stop_time=record['time'][-1], output_interval=0.01)</pre>\n"
-        .to_owned()
+    )
 }
 
 fn notes(finding: &Finding) -> String {

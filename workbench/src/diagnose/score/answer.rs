@@ -16,6 +16,9 @@ pub struct Answer {
     /// Standard deviation of the random friction relative to the friction; 0 for none.
     #[serde(default)]
     pub rough: f64,
+    /// Disc on which the effect acts in the full rig, `disc1` or `disc2`.
+    #[serde(default)]
+    pub place: Option<String>,
     /// Size of the effect over the full one.
     #[serde(default = "full_size")]
     pub scale: f64,
@@ -74,7 +77,18 @@ impl Answer {
         self.kind
             .split("_and_")
             .filter_map(catalogue_name)
+            .map(|name| self.on_its_disc(name))
             .collect()
+    }
+
+    /// The catalogue's name of this effect where it acts on the disc of this answer.
+    fn on_its_disc(&self, name: &'static str) -> &'static str {
+        let on_outer = self.place.as_deref() == Some("disc1");
+        CATALOGUE
+            .iter()
+            .map(|entry| entry.name)
+            .find(|other| on_outer && other.strip_suffix('1') == Some(name))
+            .unwrap_or(name)
     }
 
     /// What the case is an example of.
@@ -115,6 +129,7 @@ mod tests {
         Answer {
             kind: kind.to_owned(),
             rough,
+            place: None,
             scale,
             effects: BTreeMap::new(),
         }
@@ -136,6 +151,15 @@ mod tests {
         ] {
             assert_eq!(answer(kind, 0.0, 1.0).names(), names, "{kind}");
         }
+    }
+
+    #[test]
+    fn an_effect_on_disc_d1_has_a_name_of_its_own() {
+        let mut hidden = answer("unbalance", 0.0, 1.0);
+        hidden.place = Some("disc2".to_owned());
+        assert_eq!(hidden.names(), ["unbalance"]);
+        hidden.place = Some("disc1".to_owned());
+        assert_eq!(hidden.names(), ["unbalance1"]);
     }
 
     #[test]
