@@ -151,7 +151,19 @@ pub fn position(component: &dyn Component, name: &str) -> Result<usize, Componen
                 name: name.to_owned(),
                 hint: closest(name, names)
                     .map(|near| format!("; did you mean `{near}`?"))
+                    .or_else(|| absent_section(component, name))
                     .unwrap_or_default(),
             }
         })
+}
+
+/// What to do about a number of a section that the component does not have.
+fn absent_section(component: &dyn Component, name: &str) -> Option<String> {
+    let (section, _) = name.split_once('.')?;
+    let prefix = format!("{section}.");
+    let variables = component.variables();
+    let is_there = variables
+        .iter()
+        .any(|variable| variable.name.starts_with(&prefix));
+    (!is_there).then(|| format!("; its model file has no section [{section}]: add it there first"))
 }

@@ -56,6 +56,12 @@ struct Session {
 impl Session {
     /// Reads the case.
     fn begin(arguments: &DiagnoseArguments) -> anyhow::Result<Self> {
+        if arguments.out.exists() && !arguments.out.is_dir() {
+            anyhow::bail!(
+                "--out {}: is a file; the findings need a directory",
+                arguments.out.display()
+            );
+        }
         let case = arguments.case.load()?;
         for note in &case.notes {
             eprintln!("note: {note}");

@@ -8,6 +8,7 @@ use std::fs;
 use serde::Deserialize;
 use thiserror::Error;
 
+use super::console::number;
 use super::record_check::COLUMNS;
 use super::record_part::Part;
 use crate::component::closest;
@@ -380,8 +381,9 @@ impl RigColumns {
             (true, true) => None,
             (_, true) => (name != variable).then(|| format!("`{field}` is taken as {variable}")),
             (_, false) => Some(format!(
-                "`{field}` is taken as {variable} and converted from {from} to {} (times {factor})",
-                units(variable)[0].0
+                "`{field}` is taken as {variable} and converted from {from} to {} (times {})",
+                units(variable)[0].0,
+                number(factor)
             )),
         };
         Ok(Found {

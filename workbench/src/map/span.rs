@@ -42,7 +42,9 @@ impl FromStr for Span {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let number = |part: &str| match part.trim().parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(format!("`{part}` is not a finite number")),
+            _ => Err(format!(
+                "`{part}` is not a finite number; give one, such as 55, or a range FROM:TO:COUNT, such as 20:80:13"
+            )),
         };
         let parts: Vec<&str> = text.split(':').collect();
         match parts[..] {
