@@ -35,6 +35,7 @@ fn each_effect_accelerates_disc_d1_alone_by_its_torque() {
     let [plain, inertia] = [rates(""), [0.0288; STATES]];
     let state = sliding();
     let (angle, speed) = (state[THETA1], state[OMEGA1]);
+    let friction = 12.0 * 0.089 * (0.12 + 0.08 * (-speed / 1.2).exp());
     for (effect, torque) in [
         ("[bearing_friction1]\ntorque = 0.05\n", -0.05),
         (
@@ -45,6 +46,10 @@ fn each_effect_accelerates_disc_d1_alone_by_its_torque() {
         (
             "[quadratic_drag1]\ncoefficient = 0.002\n",
             -0.002 * speed * speed,
+        ),
+        (
+            "[normal_force_wobble1]\namplitude = 0.3\nphase = 0.7\n",
+            -friction * 0.3 * (angle - 0.7).cos(),
         ),
     ] {
         for (place, (with, without)) in rates(effect).iter().zip(plain).enumerate() {
@@ -59,6 +64,20 @@ fn each_effect_accelerates_disc_d1_alone_by_its_torque() {
                 "{effect}: {found}, {expected}"
             );
         }
+    }
+}
+
+#[test]
+fn a_hardening_shaft_1_turns_both_discs_against_each_other() {
+    let (with, without) = (
+        rates("[shaft_hardening1]\ncubic_stiffness = 40.0\n"),
+        rates(""),
+    );
+    let state = sliding();
+    let torque = 40.0 * (state[THETA1] - state[THETA]).powi(3);
+    for (place, inertia, sign) in [(OMEGA1, 0.0288, -1.0), (OMEGA, 0.0149, 1.0)] {
+        let found = with[place] - without[place];
+        assert!((found - sign * torque / inertia).abs() < 1e-12, "{found}");
     }
 }
 

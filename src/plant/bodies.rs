@@ -31,8 +31,6 @@ pub(super) struct Bodies<'a, S> {
     pub disturbances: [S; 2],
     pub on_disc: OnDisc<'a, S>,
     pub on_disc1: Option<OnDisc<'a, S>>,
-    /// Whether an effect depends on the angle of D2 alone.
-    turns: bool,
 }
 
 /// What does not change in the course of a segment of one pin contact.
@@ -87,18 +85,20 @@ impl<'a, S: Scalar> Bodies<'a, S> {
             ],
             disturbances: [inputs.disc_torque, inputs.motor_torque],
             on_disc: OnDisc {
+                turns: effects.unbalance.is_some() || effects.normal_force_wobble.is_some(),
                 unbalance: effects.unbalance.as_ref(),
                 viscous_drag: effects.viscous_drag.as_ref(),
                 quadratic_drag: effects.quadratic_drag.as_ref(),
                 has_bristles: effects.presliding.is_some(),
             },
             on_disc1: rig.outer.as_ref().map(|outer| OnDisc {
+                turns: outer.effects.unbalance1.is_some()
+                    || outer.effects.normal_force_wobble1.is_some(),
                 unbalance: outer.effects.unbalance1.as_ref(),
                 viscous_drag: outer.effects.viscous_drag1.as_ref(),
                 quadratic_drag: outer.effects.quadratic_drag1.as_ref(),
                 has_bristles: effects.presliding.is_some(),
             }),
-            turns: effects.unbalance.is_some() || effects.normal_force_wobble.is_some(),
             disc_slip: SlipTemplate {
                 law: &rig.law,
                 inertia: rig.disc.inertia,
@@ -152,7 +152,6 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         shaft_torque += rig.shaft.stiffness * twist;
 
         let mut on_disc = S::ZERO;
-        let mut on_disc1 = S::ZERO;
         let mut on_motor = S::ZERO;
         let mut voltage = jet.voltage[k];
         let mut resistance_drop = rig.motor.resistance * x[CURRENT][k];
@@ -164,13 +163,8 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                     shaft_torque += extra;
                 }
                 let motion = (&x[THETA], &x[OMEGA]);
-                let turn = self.turns.then_some(&mut work.turn);
+                let turn = self.on_disc.turns.then_some(&mut work.turn);
                 on_disc = self.on_disc.torque(k, mode.disc, motion, turn);
-                if let Some(on_outer) = &self.on_disc1 {
-                    let motion = (&x[THETA1], &x[OMEGA1]);
-                    let turn = work.turn1.as_deref_mut();
-                    on_disc1 = on_outer.torque(k, mode.disc1, motion, turn);
-                }
                 on_motor = self.effect_motor_torque(k, x, work);
                 if varying {
                     self.effect_load(k, time, x, &mut jet.disc.load, work);
@@ -196,8 +190,19 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         if let (Some(outer), Some(template), Some(pin)) =
             (&rig.outer, &self.disc1_slip, &mut jet.disc1)
         {
-            let outer_torque = outer.shaft.stiffness * (x[THETA1][k] - x[THETA][k])
+            let mut outer_torque = outer.shaft.stiffness * (x[THETA1][k] - x[THETA][k])
                 + outer.shaft.damping * (x[OMEGA1][k] - x[OMEGA][k]);
+            let mut on_disc1 = S::ZERO;
+            if let (Some(on_outer), Some(work)) = (&self.on_disc1, &mut jet.effects)
+                && let Some(work) = &mut work.outer
+            {
+                outer_torque += outer.effects.shaft_torque(k, x, work);
+                let turn = on_outer.turns.then_some(&mut work.turn);
+                on_disc1 = on_outer.torque(k, mode.disc1, (&x[THETA1], &x[OMEGA1]), turn);
+                if !outer.law.is_torque() {
+                    outer.effects.vary_load(k, work, &mut pin.load);
+                }
+            }
             resisting -= outer_torque;
             let outer_resisting = outer_torque - on_disc1;
             let acceleration = match presliding {

@@ -1,9 +1,9 @@
 //! What the effects add to the torques and to the load, order by order.
 
 use super::bodies::Bodies;
-use super::index::{RELAXING_TORQUE, THETA, THETA3};
-use super::jet::{EffectJet, TurnJet};
-use super::{QuadraticDrag, STATES, Unbalance, ViscousDrag};
+use super::index::{RELAXING_TORQUE, THETA, THETA1, THETA3};
+use super::jet::{EffectJet, OuterEffectJet, TurnJet};
+use super::{OuterEffects, QuadraticDrag, STATES, Unbalance, ViscousDrag};
 use crate::friction::{ContactMode, HARMONICS, RandomFunction};
 use crate::series::{RECIPROCAL, Scalar, Series, convolution, cosine_sine};
 
@@ -112,6 +112,8 @@ impl<S: Scalar> Bodies<'_, S> {
 
 /// What acts on one disc beside its shafts and its pin.
 pub(super) struct OnDisc<'a, S> {
+    /// Whether an effect depends on the cosine and sine of the disc's angle.
+    pub turns: bool,
     pub unbalance: Option<&'a Unbalance<S>>,
     pub viscous_drag: Option<&'a ViscousDrag<S>>,
     pub quadratic_drag: Option<&'a QuadraticDrag<S>>,
@@ -158,6 +160,36 @@ impl<S: Scalar> OnDisc<'_, S> {
             torque -= drag.coefficient * square * direction.sign();
         }
         torque
+    }
+}
+
+impl<S: Scalar> OuterEffects<S> {
+    /// Coefficient `k` of what the effects add to the torque of shaft 1.
+    pub(super) fn shaft_torque(
+        &self,
+        k: usize,
+        x: &[Series<S>; STATES],
+        work: &mut OuterEffectJet<S>,
+    ) -> S {
+        let Some(hardening) = &self.shaft_hardening1 else {
+            return S::ZERO;
+        };
+        work.twist[k] = x[THETA1][k] - x[THETA][k];
+        let twist = &work.twist[..=k];
+        work.twist_square[k] = convolution(twist, twist);
+        hardening.cubic_stiffness * convolution(&work.twist_square[..=k], twist)
+    }
+
+    /// Coefficient `k` of the load on D1 under a normal force that varies with its angle.
+    pub(super) fn vary_load(&self, k: usize, work: &mut OuterEffectJet<S>, load: &mut Series<S>) {
+        let Some(wobble) = &self.normal_force_wobble1 else {
+            return;
+        };
+        let one = if k == 0 { S::constant(1.0) } else { S::ZERO };
+        let (sin, cos) = wobble.phase.sin_cos();
+        work.factor[k] =
+            one + wobble.amplitude * (work.turn.cosine[k] * cos + work.turn.sine[k] * sin);
+        load[k] = convolution(&work.base_load[..=k], &work.factor[..=k]);
     }
 }
 

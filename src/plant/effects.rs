@@ -297,7 +297,8 @@ effects! {
 }
 
 effects! {
-    /// The effects on disc D1 of the full rig that are switched on; their equations are those on disc D2, with θ1 and ω1.
+    /// The effects on disc D1 of the full rig that are switched on; their equations are those on disc D2, with θ1, ω1, N1
+    /// and the twist θ1 − θ2 of shaft 1.
     OuterEffects
     /// Names of the effects on disc D1, as `model.toml` spells their sections.
     OUTER_EFFECT_NAMES
@@ -305,6 +306,8 @@ effects! {
     unbalance1: Unbalance,
     viscous_drag1: ViscousDrag,
     quadratic_drag1: QuadraticDrag,
+    normal_force_wobble1: NormalForceWobble,
+    shaft_hardening1: ShaftHardening,
 }
 
 /// Parameters of the effect `name` on either disc; `None` if there is no such effect.

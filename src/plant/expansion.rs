@@ -158,6 +158,11 @@ impl<S: Scalar> Rig<S> {
                 pin.load = [S::ZERO; TERMS];
                 pin.load[0] = S::constant(1.0);
             }
+            let work = jet.effects.as_mut().and_then(|work| work.outer.as_mut());
+            if let (Some(_), Some(work)) = (&outer.effects.normal_force_wobble1, work) {
+                pin.load_is_constant &= outer.law.is_torque();
+                work.base_load = pin.load;
+            }
         }
         varying
     }

@@ -85,8 +85,8 @@ pub(super) struct EffectJet<S> {
     pub factor: Series<S>,
     pub scratch: Series<S>,
     pub turn: TurnJet<S>,
-    /// The same of disc D1, where an effect on it depends on its angle.
-    pub turn1: Option<Box<TurnJet<S>>>,
+    /// Apart, so that rigs without effects on disc D1 do not carry it.
+    pub outer: Option<Box<OuterEffectJet<S>>>,
     pub second_cosine: Series<S>,
     pub second_sine: Series<S>,
     pub weighted_motor_angle: Series<S>,
@@ -106,6 +106,29 @@ pub(super) struct TurnJet<S> {
     pub weighted_angle: Series<S>,
     pub cosine: Series<S>,
     pub sine: Series<S>,
+}
+
+/// Series that only the effects on disc D1 need.
+#[derive(Clone, Debug)]
+pub(super) struct OuterEffectJet<S> {
+    pub turn: TurnJet<S>,
+    pub twist: Series<S>,
+    pub twist_square: Series<S>,
+    pub base_load: Series<S>,
+    pub factor: Series<S>,
+}
+
+impl<S: Scalar> OuterEffectJet<S> {
+    fn new() -> Self {
+        let zero = [S::ZERO; TERMS];
+        Self {
+            turn: TurnJet::new(),
+            twist: zero,
+            twist_square: zero,
+            base_load: zero,
+            factor: zero,
+        }
+    }
 }
 
 impl<S: Scalar> TurnJet<S> {
@@ -129,9 +152,9 @@ impl<S: Scalar> RigJet<S> {
                 factor: zero,
                 scratch: zero,
                 turn: TurnJet::new(),
-                turn1: outer
-                    .and_then(|outer| outer.effects.unbalance1)
-                    .map(|_| Box::new(TurnJet::new())),
+                outer: outer
+                    .filter(|outer| outer.effects.act_on_motion())
+                    .map(|_| Box::new(OuterEffectJet::new())),
                 second_cosine: zero,
                 second_sine: zero,
                 weighted_motor_angle: zero,

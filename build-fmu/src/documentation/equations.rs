@@ -166,6 +166,14 @@ pub fn effect(section: &str) -> Option<Equations> {
         "unbalance1" => ("Unbalance of disc D1", &["T = − T_u cos ( θ_1 − φ )"]),
         "viscous_drag1" => ("Viscous drag on disc D1", &["T = − b θ_1'"]),
         "quadratic_drag1" => ("Aerodynamic drag on disc D1", &["T = − q θ_1' | θ_1' |"]),
+        "normal_force_wobble1" => (
+            "Normal force that varies with the angle of disc D1",
+            &["N = N_1 ( 1 + a cos ( θ_1 − φ ) )"],
+        ),
+        "shaft_hardening1" => (
+            "Hardening shaft between the discs",
+            &["T = k_1 δ + k_3 δ^3 , δ = θ_1 − θ_2"],
+        ),
         "sensor_delay" => ("Disc sensors that lag", &["θ_read ( t ) = θ_2 ( t − τ )"]),
         _ => return None,
     };

@@ -33,6 +33,8 @@ enum Base {
     TorqueOverSpeedSquared,
     /// Stiffness of the shaft over the square of its twist.
     StiffnessOverTwistSquared,
+    /// The same of shaft 1.
+    OuterStiffnessOverTwistSquared,
     /// Twist of the shaft by the friction torque.
     Twist,
     /// Friction torque on the motor's side.
@@ -246,6 +248,15 @@ pub const EFFECTS: &[Effect] = &[
         false,
         &[],
     ),
+    polar("normal_force_wobble1", "amplitude", Base::One, &[], &[0.6]),
+    one(
+        "shaft_hardening1",
+        "cubic_stiffness",
+        0.0,
+        Base::OuterStiffnessOverTwistSquared,
+        false,
+        &[],
+    ),
 ];
 
 /// The effect of this name.
@@ -309,7 +320,6 @@ impl Effect {
         if !self.is_possible(&base.rig) || base.effects.iter().any(|name| name == self.name) {
             return Vec::new();
         }
-        let ratio = base.rig.gearbox.ratio;
         let far = scatter.is_some();
         let mut hypotheses = match self.form {
             Form::One {
@@ -319,7 +329,7 @@ impl Effect {
                 positive,
                 far: distant,
             } => {
-                let scale = USUAL * size(of, scales, ratio);
+                let scale = USUAL * size(of, scales, &base.rig);
                 if scale == 0.0 {
                     return Vec::new();
                 }
@@ -348,7 +358,7 @@ impl Effect {
                 orders,
                 far: distant,
             } => {
-                let scale = USUAL * size(of, scales, ratio);
+                let scale = USUAL * size(of, scales, &base.rig);
                 let high = if of == Base::One { 0.95 } else { BOUND * scale };
                 let near: Vec<(f64, f64, f64)> = if orders.is_empty() {
                     vec![(0.0, NEAR, 0.0)]
@@ -465,7 +475,8 @@ impl Effect {
     }
 }
 
-fn size(base: Base, scales: &Scales, ratio: f64) -> f64 {
+fn size(base: Base, scales: &Scales, rig: &Rig<f64>) -> f64 {
+    let ratio = rig.gearbox.ratio;
     let Scales {
         torque,
         speed,
@@ -479,6 +490,10 @@ fn size(base: Base, scales: &Scales, ratio: f64) -> f64 {
         Base::TorqueOverSpeed => torque / speed,
         Base::TorqueOverSpeedSquared => torque / (speed * speed),
         Base::StiffnessOverTwistSquared => 1.0 / (torque * torque),
+        Base::OuterStiffnessOverTwistSquared => {
+            let stiffness = rig.outer.map_or(0.0, |outer| outer.shaft.stiffness);
+            stiffness.powi(3) / (torque * torque)
+        }
         Base::Twist => torque,
         Base::MotorTorque => torque / ratio,
         Base::MotorTorqueOverSpeed => torque / (ratio * ratio * speed),

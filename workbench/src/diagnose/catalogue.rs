@@ -226,6 +226,23 @@ pub const CATALOGUE: &[Entry] = &[
         confusable: &["quadratic_drag", "viscous_drag1"],
         symbols: &[("quadratic_drag1.coefficient", "quad")],
     },
+    Entry {
+        name: "normal_force_wobble1",
+        description: "a normal force on disc D1 of the full rig that varies once per turn of it",
+        signature: "residual torque on disc D1 at the first order of its angle, in proportion to the normal force",
+        confusable: &["unbalance1", "normal_force_wobble"],
+        symbols: &[
+            ("normal_force_wobble1.amplitude", "wobble_a"),
+            ("normal_force_wobble1.phase", "wobble_ph"),
+        ],
+    },
+    Entry {
+        name: "shaft_hardening1",
+        description: "a shaft between the discs of the full rig that stiffens with its twist",
+        signature: "residual torque that grows with the cube of the twist between the discs, opposite on both",
+        confusable: &["shaft_hardening"],
+        symbols: &[("shaft_hardening1.cubic_stiffness", "k3")],
+    },
 ];
 
 /// The catalogue's entry of this name.
