@@ -153,7 +153,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
 
         let mut on_disc = S::ZERO;
         let mut on_motor = S::ZERO;
-        let mut voltage = jet.voltage[k];
+        let mut voltage = jet.voltage.get(k).copied().unwrap_or(S::ZERO);
         let mut resistance_drop = rig.motor.resistance * x[CURRENT][k];
         if self.has_effects {
             if let Some(work) = &mut jet.effects {

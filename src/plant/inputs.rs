@@ -1,6 +1,6 @@
 //! The rig's inputs as polynomials in time.
 
-use crate::series::{Scalar, Series, TERMS};
+use crate::series::Scalar;
 
 /// Number of coefficients of an input polynomial: value and three derivatives.
 pub const INPUT_TERMS: usize = 4;
@@ -60,7 +60,7 @@ pub(super) fn recentre<S: Scalar>(
     input: &[S; INPUT_TERMS],
     offset: S,
     was_constant: bool,
-    series: &mut Series<S>,
+    series: &mut [S],
 ) -> bool {
     let mut c = *input;
     let constant = c[1..].iter().all(|x| x.value() == 0.0);
@@ -76,6 +76,6 @@ pub(super) fn recentre<S: Scalar>(
         }
     }
     series[..INPUT_TERMS].copy_from_slice(&c);
-    series[INPUT_TERMS..TERMS].fill(S::ZERO);
+    series[INPUT_TERMS..].fill(S::ZERO);
     constant
 }

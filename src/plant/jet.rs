@@ -3,7 +3,7 @@
 use super::linear_parts::LinearParts;
 use super::slow_motion::SlowMotion;
 use super::tangent::Tangent;
-use super::{Rig, RigGuard, STATES};
+use super::{INPUT_TERMS, Rig, RigGuard, STATES};
 use crate::friction::{Law, SlipJet};
 use crate::integrator::Guard;
 use crate::series::{Scalar, Series, TERMS, evaluate};
@@ -56,7 +56,7 @@ pub struct RigJet<S> {
     /// Apart, so that the reduced rig does not carry it.
     pub(super) disc1: Option<Box<PinJet<S>>>,
     pub(super) motor_torque: Series<S>,
-    pub(super) voltage: Series<S>,
+    pub(super) voltage: [S; INPUT_TERMS],
     pub(super) voltage_is_constant: bool,
     pub(super) parts: LinearParts<S>,
     pub(super) slow: SlowMotions<S>,
@@ -179,7 +179,7 @@ impl<S: Scalar> RigJet<S> {
                 .as_ref()
                 .map(|outer| Box::new(PinJet::new(&outer.law))),
             motor_torque: zero,
-            voltage: zero,
+            voltage: [S::ZERO; INPUT_TERMS],
             voltage_is_constant: true,
             parts,
             tangent,

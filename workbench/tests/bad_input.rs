@@ -13,6 +13,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::Instant;
 
+use inference::record::RawRecord;
 use simulated::{Inputs, model, other_steps, record, steps};
 use workbench::diagnose::case::{Case, CaseArguments};
 use workbench::diagnose::catalogue::CATALOGUE;
@@ -130,7 +131,7 @@ fn what_cannot_be_used_is_refused_with_what_would_be_right() {
             |t| t.replacen(",N2,", ",u,", 1),
             "column 3 is named `u`",
         ),
-        ("run-a.csv", |t| t.replace(',', ";"), "separated by commas"),
+        ("run-a.csv", |t| t.replace("time,", "clock,"), "`time`"),
         (
             "run-a.csv",
             |t| t.replacen("time,", "t,", 1),
@@ -425,9 +426,39 @@ fn files_that_are_not_there_are_named() {
     assert!(message.contains("nowhere"), "{message}");
     let message = load(place.path()).unwrap_err();
     assert!(message.contains("run-*.csv"), "{message}");
+}
+
+#[test]
+fn without_a_record_to_judge_on_the_last_one_or_its_last_quarter_is_held_out() {
+    let place = tempfile::tempdir().unwrap();
     write(place.path(), &files()[..3]);
-    let message = load(place.path()).unwrap_err();
-    assert!(message.contains("held-out.csv"), "{message}");
+    let case = load(place.path()).unwrap();
+    let said = |case: &Case, words: &str| case.notes.iter().any(|note| note.contains(words));
+    assert!(said(&case, "the last one is held out") && said(&case, "run-b.csv"));
+    assert_eq!(case.records.len(), 1);
+    fs::remove_file(place.path().join("run-b.csv")).unwrap();
+    let case = load(place.path()).unwrap();
+    assert!(said(&case, "the last quarter of"), "{:?}", case.notes);
+    let end = |records: &[RawRecord]| records.last().and_then(|r| r.time.last().copied());
+    assert!(end(&case.records) < end(&case.held_out));
+}
+
+#[test]
+fn tables_of_spreadsheets_are_read_like_our_own() {
+    let own = changed("run-a.csv", str::to_owned).unwrap();
+    let foreign = changed("run-a.csv", |t| {
+        t.replace(',', ";")
+            .replace('.', ",")
+            .replace("theta;", "Theta [rad];")
+    });
+    let foreign = foreign.unwrap();
+    assert_eq!(own.records[0].readings, foreign.records[0].readings);
+    let note = "has semicolons between values and decimal commas, `Theta [rad]` is taken as theta";
+    assert!(
+        foreign.notes.iter().any(|n| n.contains(note)),
+        "{:?}",
+        foreign.notes
+    );
 }
 
 #[test]
