@@ -235,7 +235,8 @@ impl<S: Scalar> Rig<S> {
                     (friction, (drive - friction) * scale)
                 }
             };
-            x[CURRENT][k + 1] = (voltage[k] - parts.resistance * current - parts.back_emf * omega3)
+            let voltage = voltage.get(k).copied().unwrap_or(S::ZERO);
+            x[CURRENT][k + 1] = (voltage - parts.resistance * current - parts.back_emf * omega3)
                 * (parts.inverse_inductance * per_next);
         }
     }
