@@ -312,38 +312,3 @@ fn a_rig_that_needs_its_past_is_for_co_simulation_only() {
         assert!(!component.start(version, CASES[0].2).handle.is_null());
     }
 }
-
-/// What a call of a solver costs: `cargo test --release --test model_exchange_claims -- --ignored --nocapture`.
-#[test]
-#[ignore = "a measurement"]
-fn cost_of_a_derivative_call() {
-    for (name, model, values) in CASES {
-        let component = &Component::new(model);
-        for (version, indicators) in [(Fmi2, false), (Fmi3, false), (Fmi3, true)] {
-            let mut instance = start(component, version, values);
-            instance.integrate(STEP, 0.7);
-            let mut x = instance.vector(Vector::States);
-            let mut values = vec![0.0; x.len()];
-            let mut best = f64::INFINITY;
-            for _ in 0..20 {
-                let begin = std::time::Instant::now();
-                for n in 0..10_000 {
-                    x[0] += 1e-9 * f64::from(n);
-                    instance.set_states(&x);
-                    instance.fill(Vector::Derivatives, &mut values);
-                    if indicators {
-                        let mut places = [0.0; 16];
-                        let count = instance.indicator_count();
-                        instance.fill(Vector::Indicators, &mut places[..count]);
-                    }
-                }
-                best = best.min(begin.elapsed().as_secs_f64() / 10_000.0);
-            }
-            let what = if indicators { "and indicators" } else { "" };
-            println!(
-                "{name} {version:?}: {:.0} ns to set states and get derivatives {what}",
-                1e9 * best
-            );
-        }
-    }
-}

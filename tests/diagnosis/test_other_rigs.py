@@ -100,6 +100,9 @@ def test_a_rig_of_another_size_and_instruments_is_diagnosed(tmp_path):
     finding = case.finding
     assert [found["name"] for found in finding["effects"]] == ["viscous_drag"], case.screen
     assert finding["gap"]["held_out"]["closed"] > 0.9
+    # The set that is named is the most probable of all that were tried.
+    probabilities = [rival["probability"] for rival in finding["ranking"]]
+    assert probabilities[0] == max(probabilities) and sum(probabilities) == pytest.approx(1.0)
 
 
 def test_a_rig_of_another_size_that_lacks_nothing_is_left_in_peace(tmp_path):

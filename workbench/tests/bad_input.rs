@@ -453,7 +453,7 @@ fn tables_of_spreadsheets_are_read_like_our_own() {
     });
     let foreign = foreign.unwrap();
     assert_eq!(own.records[0].readings, foreign.records[0].readings);
-    let note = "has semicolons between values and decimal commas, `Theta [rad]` is taken as theta";
+    let note = "semicolons between values and decimal commas, `Theta [rad]` taken as theta";
     assert!(
         foreign.notes.iter().any(|n| n.contains(note)),
         "{:?}",

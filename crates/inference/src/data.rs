@@ -16,8 +16,9 @@ use crate::window::{Begin, Cut, START_COMPONENTS, STARTS, Window};
 const FEW_SLOTS: usize = 21;
 /// Derivative slots for the largest hypotheses.
 const MANY_SLOTS: usize = 33;
-/// Windows in a row that share a fold: what half of the blocks teach is judged on the other half.
-const BLOCK: usize = 4;
+/// Windows in a row that are one block: neighbours are not independent. What half of the blocks teach is judged on the other
+/// half, and the scatter of blocks gives the error of a difference.
+pub(crate) const BLOCK: usize = 4;
 
 /// Most free numbers that a hypothesis on this rig may have.
 #[must_use]

@@ -1,6 +1,7 @@
 //! From the sets that were searched to an answer: a table of three numbers, the posterior, the check and what moved.
 
 use crate::check::{Check, check};
+use crate::data::BLOCK;
 use crate::fit::Fit;
 use crate::hypothesis::Estimate;
 use crate::policy::{MOVED, NAMED};
@@ -171,16 +172,28 @@ fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec
             (score, own)
         })
         .collect();
-    let all: f64 = scored.iter().map(|(score, _)| score.exp()).sum();
+    // A set whose numbers end their ranges, or of which an effect changes next to nothing, is no answer: it has no share in the
+    // probability, however much it gains.
+    let weights: Vec<f64> = candidates
+        .iter()
+        .zip(&scored)
+        .enumerate()
+        .map(|(place, (candidate, (score, _)))| {
+            let is_answer = place == 0 || candidate.score() > f64::NEG_INFINITY;
+            if is_answer { score.exp() } else { 0.0 }
+        })
+        .collect();
+    let all: f64 = weights.iter().sum();
     let mut ranking: Vec<Rival> = candidates
         .iter()
         .zip(scored)
-        .map(|(candidate, (score, own))| {
+        .zip(weights)
+        .map(|((candidate, (score, own)), weight)| {
             let (margin, margin_error) = gain(&own, &best);
             let (gain, gain_error) = gain(&nothing, &own);
             Rival {
                 effects: candidate.effects.clone(),
-                probability: score.exp() / all,
+                probability: weight / all,
                 score,
                 margin,
                 margin_error,
@@ -200,9 +213,6 @@ fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec
     ranking[1..].sort_by(|a, b| b.score.total_cmp(&a.score));
     ranking
 }
-
-/// Windows in a row of which one difference is made.
-const BLOCK: usize = 4;
 
 /// What `better` gains over `worse` in ln likelihood, with its standard error from the scatter of blocks of windows.
 pub(crate) fn gain(worse: &[Option<f64>], better: &[Option<f64>]) -> (f64, f64) {

@@ -1,7 +1,8 @@
 //! Every number that decides: significance levels, prior odds and numerical tolerances. No threshold lives anywhere else.
 
 /// Prior odds that a given effect is missing, ln. Half of all models lack something, and there are about twenty-five ways to
-/// lack it: 1 : 50.
+/// lack it: 1 : 50, or -3.9. A window whose start was not found may speak for an effect by [`MOST_TOLD`] and must not decide
+/// alone: another -3.
 pub const LN_PRIOR_ODDS: f64 = -7.0;
 /// Most that one window may tell, in log odds: 20 : 1. What an effect does shows in more than two or three windows.
 pub const MOST_TOLD: f64 = 3.0;

@@ -282,10 +282,10 @@ impl RigColumns {
         let (text, dialect) = with_commas(text);
         let mut said: Vec<String> = Vec::new();
         if is_wide {
-            said.push("is UTF-16".to_owned());
+            said.push("UTF-16".to_owned());
         }
         if !dialect.is_empty() {
-            said.push(format!("has {}", dialect.join(" and ")));
+            said.push(dialect.join(" and "));
         }
         let (columns, text) = self.renamed(&text, &file)?;
         let mut record = Record::parse(&text, &file, Missing::KeepAsNan)?;
@@ -379,9 +379,9 @@ impl RigColumns {
         let from = unit.unwrap_or("its unit");
         let said = match (field == variable, factor == 1.0) {
             (true, true) => None,
-            (_, true) => (name != variable).then(|| format!("`{field}` is taken as {variable}")),
+            (_, true) => (name != variable).then(|| format!("`{field}` taken as {variable}")),
             (_, false) => Some(format!(
-                "`{field}` is taken as {variable} and converted from {from} to {} (times {})",
+                "`{field}` taken as {variable} and converted from {from} to {} (times {})",
                 units(variable)[0].0,
                 number(factor)
             )),
@@ -406,7 +406,7 @@ pub fn about(said: &[(String, String)]) -> Vec<String> {
     }
     notes
         .into_iter()
-        .map(|(what, files)| format!("{}: {what}", files.join(", ")))
+        .map(|(what, files)| format!("read from {}: {what}", files.join(", ")))
         .collect()
 }
 
