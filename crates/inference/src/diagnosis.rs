@@ -31,7 +31,7 @@ pub struct Rival {
     pub effects: Vec<&'static str>,
     /// Posterior probability of the set, 0 … 1.
     pub probability: f64,
-    /// Log odds of the set against the best one.
+    /// Log odds of the set against the best one; −∞ for a set that is no answer ([`Candidate::score`]).
     pub score: f64,
     /// Gain of the best set over this one in ln likelihood on windows that were not fitted to.
     pub margin: f64,
@@ -162,9 +162,13 @@ fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec
     let (best, nothing) = (losses(&candidates[0]), losses(base));
     let scored: Vec<(f64, Vec<Option<f64>>)> = candidates
         .iter()
-        .map(|candidate| {
+        .enumerate()
+        .map(|(place, candidate)| {
             let own = losses(candidate);
-            let score = if candidate.effects.len() > candidates[0].effects.len() {
+            let is_no_answer = candidate.score() == f64::NEG_INFINITY;
+            let score = if place > 0 && is_no_answer {
+                f64::NEG_INFINITY
+            } else if candidate.effects.len() > candidates[0].effects.len() {
                 candidate.lead(&candidates[0])
             } else {
                 -candidates[0].lead(candidate)
@@ -172,28 +176,16 @@ fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec
             (score, own)
         })
         .collect();
-    // A set whose numbers end their ranges, or of which an effect changes next to nothing, is no answer: it has no share in the
-    // probability, however much it gains.
-    let weights: Vec<f64> = candidates
-        .iter()
-        .zip(&scored)
-        .enumerate()
-        .map(|(place, (candidate, (score, _)))| {
-            let is_answer = place == 0 || candidate.score() > f64::NEG_INFINITY;
-            if is_answer { score.exp() } else { 0.0 }
-        })
-        .collect();
-    let all: f64 = weights.iter().sum();
+    let all: f64 = scored.iter().map(|(score, _)| score.exp()).sum();
     let mut ranking: Vec<Rival> = candidates
         .iter()
         .zip(scored)
-        .zip(weights)
-        .map(|((candidate, (score, own)), weight)| {
+        .map(|(candidate, (score, own))| {
             let (margin, margin_error) = gain(&own, &best);
             let (gain, gain_error) = gain(&nothing, &own);
             Rival {
                 effects: candidate.effects.clone(),
-                probability: weight / all,
+                probability: score.exp() / all,
                 score,
                 margin,
                 margin_error,
