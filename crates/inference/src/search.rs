@@ -1,6 +1,8 @@
 //! Which set of effects the records speak for: best first over sets by adding, removing and swapping.
 
-use crate::data::{Data, most_free};
+mod looks;
+
+use self::looks::{followed, looks, swapped};
 use crate::effects::{EFFECTS, Effect, effect};
 use crate::evidence::Told;
 use crate::fit::{Fit, rescue};
@@ -8,9 +10,8 @@ use crate::hypothesis::Hypothesis;
 use crate::law_start::Scatter;
 use crate::loss;
 use crate::marginal::Disturbance;
-use crate::policy::{FAR, LN_PRIOR_ODDS, MOST_EFFECTS, WRONG};
+use crate::policy::{LN_PRIOR_ODDS, MOST_EFFECTS, WRONG};
 use crate::problem::Problem;
-use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// Steps of a fit to short windows.
 const NEAR_STEPS: usize = 10;
@@ -24,16 +25,8 @@ const CATCHES_UP: f64 = 8.0;
 const PART_WINDOWS: usize = 100;
 /// Share of what a set gains that a part of it must gain by itself for other effects to be tried beside it.
 const CONSIDERABLE: f64 = 0.1;
-/// Log evidence that a set with one effect exchanged may promise less than the present one to be fitted.
-const NEARLY: f64 = -40.0;
 /// Sets with effects that are fitted to all windows.
 const RIVALS: usize = 3;
-/// Windows that suffice for the first looks.
-const LOOK_WINDOWS: usize = 80;
-/// How many starts are followed for each that may be of one effect.
-const SHARE_OF_ONE: usize = 3;
-/// How many starts are followed, a third of them at most of one effect, and for how many steps each, before the next fewer.
-const ROUNDS: [(usize, usize); 4] = [(18, 2), (9, 3), (6, NEAR_STEPS), (4, 0)];
 
 /// A set of effects, fitted.
 #[derive(Clone, Debug)]
@@ -88,13 +81,6 @@ pub struct Search {
     pub candidates: Vec<Candidate>,
     /// The analyst's model with its parameters refitted.
     pub base: Candidate,
-}
-
-/// A start of an effect, looked at.
-struct Look {
-    effect: &'static Effect,
-    fit: Fit,
-    promise: f64,
 }
 
 /// Goes over sets of effects until no move gains, first on a part of the windows and from what that leads to on all of them;
@@ -347,88 +333,6 @@ fn add(
     }
 }
 
-/// Sets with one effect of `current` exchanged that do as well, as far as the looks at one more effect tell: the step that is
-/// best where the numbers of the one given up are held at no effect.
-fn swapped(problem: &Problem, current: &Candidate, looks: &[Look]) -> Vec<Hypothesis> {
-    let Some(first) = looks.first() else {
-        return Vec::new();
-    };
-    let (part, base) = look_data(problem, current);
-    if base.starts.len() != first.fit.starts.len() || base.misfit(&part) > WRONG {
-        return Vec::new();
-    }
-    let nothing = promise(&base, &part);
-    let mut found = Vec::new();
-    for look in looks {
-        for given_up in &current.effects {
-            let hypothesis = &look.fit.hypothesis;
-            let Some((start, width)) = hypothesis.numbers_of(given_up) else {
-                continue;
-            };
-            let forms = look.fit.reduced(&part);
-            let precisions = hypothesis.prior_precisions();
-            let (curvature, gradient) =
-                loss::normal_equations(forms.iter().flatten(), &precisions, &hypothesis.x);
-            let own: Vec<usize> = (start..start + width).collect();
-            let others: Vec<usize> = (0..hypothesis.dimension())
-                .filter(|j| !own.contains(j))
-                .collect();
-            let n = others.len();
-            let inner = DMatrix::from_fn(n, n, |a, b| curvature[(others[a], others[b])]);
-            let pull = DVector::from_fn(n, |a, _| {
-                let held: f64 = own
-                    .iter()
-                    .map(|&j| -curvature[(others[a], j)] * hypothesis.x[j])
-                    .sum();
-                gradient[others[a]] - held
-            });
-            let Some(cholesky) = Cholesky::new(inner) else {
-                continue;
-            };
-            let solved = cholesky.solve(&pull);
-            let mut step = DVector::zeros(hypothesis.dimension());
-            for (&j, d) in others.iter().zip(solved.iter()) {
-                step[j] = *d;
-            }
-            for &j in &own {
-                step[j] = -hypothesis.x[j];
-            }
-            let after = look.fit.loss - 2.0 * gradient.dot(&step) + step.dot(&(&curvature * &step));
-            let volume: f64 = 2.0
-                * cholesky
-                    .l_dirty()
-                    .diagonal()
-                    .iter()
-                    .map(|d| d.ln())
-                    .sum::<f64>();
-            let prior: f64 = others.iter().map(|&j| precisions[j].ln()).sum();
-            let promised = -0.5 * (after + volume - prior);
-            if promised < nothing + NEARLY {
-                continue;
-            }
-            let mut moved = hypothesis.clone();
-            for (x, d) in moved.x.iter_mut().zip(step.iter()) {
-                *x += d;
-            }
-            moved.clamp();
-            let mut names: Vec<&'static str> = current
-                .effects
-                .iter()
-                .copied()
-                .filter(|name| name != given_up)
-                .collect();
-            names.push(look.effect.name);
-            found.push((promised, rebuilt(problem, &names, &moved)));
-        }
-    }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.truncate(RIVALS);
-    found
-        .into_iter()
-        .map(|(_, hypothesis)| hypothesis)
-        .collect()
-}
-
 fn own_names(hypothesis: &Hypothesis) -> Vec<&str> {
     hypothesis.effects.iter().map(String::as_str).collect()
 }
@@ -521,140 +425,6 @@ fn law_of(fitted: &Hypothesis, hypothesis: &Hypothesis, name: &str) -> Option<Hy
     h.x = x;
     h.effects.push(name.to_owned());
     Some(h)
-}
-
-/// The windows on which starts are looked at on top of a fit, and where they start there.
-fn look_data(problem: &Problem, current: &Candidate) -> (Data, Fit) {
-    let long = &problem.long;
-    let calm = current.fit.calm(long);
-    let (data, fit) = if calm.misfit(long) > FAR {
-        let short = &problem.short;
-        let hypothesis = current.fit.hypothesis.clone();
-        let fit = Fit::at(short, hypothesis, short.anchors(), Disturbance::NONE)
-            .improved_calmly(short, 3);
-        (short, fit)
-    } else {
-        (long, calm)
-    };
-    let thinning = if std::ptr::eq(data, long) {
-        1
-    } else {
-        (data.windows.len() / LOOK_WINDOWS).max(1)
-    };
-    let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning).collect();
-    let part = data.part(&kept);
-    let starts = kept.iter().map(|&j| fit.starts[j]).collect();
-    let on_part = Fit::at(&part, fit.hypothesis, starts, fit.disturbance);
-    (part, on_part)
-}
-
-/// What every start of `effects` promises on top of `current`, the most first.
-fn looks(
-    problem: &Problem,
-    current: &Candidate,
-    effects: &[&'static Effect],
-    progress: &mut dyn FnMut(&str),
-) -> Vec<Look> {
-    let (part, base) = look_data(problem, current);
-    let is_far = base.misfit(&part) > WRONG;
-    let scatter = is_far.then(|| Scatter::of(&part, &base));
-    let mut looks = Vec::new();
-    for effect in effects {
-        progress(effect.name);
-        for hypothesis in effect.starts(&base.hypothesis, &problem.long.scales, scatter.as_ref()) {
-            if hypothesis.dimension() > most_free(&hypothesis.rig) {
-                continue;
-            }
-            let mut fit = Fit::at(&part, hypothesis, base.starts.clone(), base.disturbance);
-            if effect.is_nonlinear() && is_far {
-                fit = fit.improved_calmly(&part, 2);
-            }
-            let promise = promise(&fit, &part);
-            looks.push(Look {
-                effect,
-                fit,
-                promise,
-            });
-        }
-    }
-    let nothing = promise(&base, &part);
-    for look in &mut looks {
-        look.promise -= nothing;
-    }
-    looks.sort_by(|a, b| b.promise.total_cmp(&a.promise));
-    looks
-}
-
-/// Log evidence that one more step promises.
-fn promise(fit: &Fit, data: &Data) -> f64 {
-    let forms = fit.reduced(data);
-    let precisions = fit.hypothesis.prior_precisions();
-    let (curvature, gradient) =
-        loss::normal_equations(forms.iter().flatten(), &precisions, &fit.hypothesis.x);
-    let Some(cholesky) = Cholesky::new(curvature) else {
-        return f64::NEG_INFINITY;
-    };
-    let step = cholesky.solve(&gradient);
-    let volume: f64 = 2.0
-        * cholesky
-            .l_dirty()
-            .diagonal()
-            .iter()
-            .map(|d| d.ln())
-            .sum::<f64>();
-    let prior: f64 = precisions.iter().map(|p| p.ln()).sum();
-    -0.5 * (fit.loss - gradient.dot(&step) + volume - prior)
-}
-
-/// The most promising of `looks`, fitted to all windows.
-fn followed(
-    problem: &Problem,
-    current: &Candidate,
-    looks: Vec<Look>,
-    progress: &mut dyn FnMut(&str),
-) -> Vec<Look> {
-    let (part, _) = look_data(problem, current);
-    let is_far = current.fit.calm(&problem.long).misfit(&problem.long) > FAR;
-    // Near the truth a step promises what it holds; from afar it may hold more.
-    let least = if is_far { LN_PRIOR_ODDS } else { 0.0 };
-    let mut field: Vec<Look> = looks
-        .into_iter()
-        .filter(|look| look.promise > least)
-        .collect();
-    for (most, steps) in ROUNDS {
-        let mut kept: Vec<Look> = Vec::new();
-        for look in field {
-            let twins = kept
-                .iter()
-                .filter(|other| other.effect.name == look.effect.name)
-                .count();
-            if kept.len() < most && twins < most / SHARE_OF_ONE {
-                kept.push(look);
-            }
-        }
-        for look in &mut kept {
-            if steps > 0 {
-                progress(look.effect.name);
-                let fit = look.fit.clone().improved_calmly(&part, steps);
-                look.promise = promise(&fit, &part);
-                look.fit = fit;
-            }
-        }
-        kept.sort_by(|a, b| b.promise.total_cmp(&a.promise));
-        field = kept;
-    }
-    let mut best = current.evidence;
-    for look in &mut field {
-        progress(look.effect.name);
-        let hypothesis = look.fit.hypothesis.clone();
-        look.fit = raced(
-            problem,
-            begun(problem, hypothesis, Some(&current.fit)),
-            best,
-        );
-        best = best.max(look.fit.evidence(&problem.long));
-    }
-    field
 }
 
 /// Starts windows in every candidate from where another has found a better start: sets are compared by their models, not by
