@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use stickslip::plant::{Rig, RigState};
+use stickslip::plant::Rig;
 
 use crate::gram::{Gram, first_free, window_gram};
 use crate::hypothesis::Hypothesis;
 use crate::marginal::{Disturbance, Reduced, reduce};
 use crate::record::{CHANNELS, Run};
 use crate::scales::Scales;
-use crate::window::{Begin, Cut, START_COMPONENTS, STARTS, Window};
+use crate::window::{Begin, Cut, START_COMPONENTS, STARTS, Start, Window};
 
 /// Derivative slots for hypotheses of ordinary size.
 const FEW_SLOTS: usize = 21;
@@ -66,8 +66,11 @@ impl Data {
 
     /// The starts of the windows as measured.
     #[must_use]
-    pub fn anchors(&self) -> Vec<RigState<f64>> {
-        self.windows.iter().map(|window| window.anchor).collect()
+    pub fn anchors(&self) -> Vec<Start> {
+        self.windows
+            .iter()
+            .map(|window| Start::from(window.anchor))
+            .collect()
     }
 
     /// The same records with only the windows of these numbers.
@@ -96,13 +99,13 @@ impl Data {
     }
 }
 
-fn offset(start: &RigState<f64>, window: &Window) -> [f64; STARTS] {
-    std::array::from_fn(|j| start[START_COMPONENTS[j]] - window.anchor[START_COMPONENTS[j]])
+fn offset(start: &Start, window: &Window) -> [f64; STARTS] {
+    std::array::from_fn(|j| start.state[START_COMPONENTS[j]] - window.anchor[START_COMPONENTS[j]])
 }
 
 /// Gram matrices of all windows under a hypothesis; `None` where the model cannot run.
 #[must_use]
-pub fn grams(data: &Data, hypothesis: &Hypothesis, starts: &[RigState<f64>]) -> Vec<Option<Gram>> {
+pub fn grams(data: &Data, hypothesis: &Hypothesis, starts: &[Start]) -> Vec<Option<Gram>> {
     if hypothesis.dimension() + first_free(&hypothesis.rig) <= FEW_SLOTS {
         grams_with_slots::<FEW_SLOTS>(data, hypothesis, starts)
     } else {
@@ -113,7 +116,7 @@ pub fn grams(data: &Data, hypothesis: &Hypothesis, starts: &[RigState<f64>]) -> 
 fn grams_with_slots<const N: usize>(
     data: &Data,
     hypothesis: &Hypothesis,
-    starts: &[RigState<f64>],
+    starts: &[Start],
 ) -> Vec<Option<Gram>> {
     let Ok(rig) = hypothesis.rig_with_slots::<N>(first_free(&hypothesis.rig)) else {
         return vec![None; data.windows.len()];
@@ -147,7 +150,7 @@ fn grams_with_slots<const N: usize>(
 #[must_use]
 pub fn reduced(
     data: &Data,
-    starts: &[RigState<f64>],
+    starts: &[Start],
     grams: &[Option<Gram>],
     disturbance: &Disturbance,
 ) -> Vec<Option<Reduced>> {

@@ -277,6 +277,12 @@ impl Effect {
         )
     }
 
+    /// The law that this one becomes in the limit of one of its numbers.
+    #[must_use]
+    pub fn limit(&self) -> Option<&'static str> {
+        matches!(self.form, Form::Stribeck).then_some("stiction")
+    }
+
     /// Whether a rig has what the effect acts on.
     #[must_use]
     pub fn is_possible(&self, rig: &Rig<f64>) -> bool {

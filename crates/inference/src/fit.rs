@@ -1,18 +1,25 @@
-//! Fitting a hypothesis to many windows: damped Gauss–Newton steps with exact derivatives.
+//! Fitting a hypothesis to many windows: Gauss–Newton steps, shortened where they do not gain, with exact derivatives.
 
 use crate::data::{Data, grams, reduced};
 use crate::evidence::Told;
 use crate::gram::Gram;
-use crate::hypothesis::{Estimate, Hypothesis};
+use crate::hypothesis::Hypothesis;
 use crate::loss;
 use crate::marginal::{Disturbance, Reduced};
+use crate::window::Start;
 use nalgebra::{Cholesky, DMatrix, DVector};
-use stickslip::plant::RigState;
 
 /// Decrease of −2 ln likelihood below which a step gains nothing.
 const CONVERGED: f64 = 0.05;
 /// The same relative to the loss, where a model that misses something goes on gaining a little.
 const RELATIVELY: f64 = 1e-5;
+/// Share of a step that is tried after one that made things worse, and the factor by which the next may be longer after one that
+/// gained. What records hardly tell bends the way of a step and is as far along it as priors let it: shorter steps in the same
+/// direction get there, steps towards the steepest descent do not.
+const SHORTER: f64 = 0.25;
+const LONGER: f64 = 2.0;
+/// Share of a step below which no more is tried.
+const LEAST_SHARE: f64 = 1e-4;
 /// Loss that a window may gain in a step before other starts are tried for it.
 const SUSPECT: f64 = 6.0;
 /// Standard deviations of fluctuating friction, relative to it, among which a fit chooses.
@@ -23,8 +30,8 @@ const FLUCTUATIONS: [f64; 8] = [0.0, 0.004, 0.008, 0.016, 0.03, 0.05, 0.08, 0.15
 pub struct Fit {
     /// The hypothesis at its best values.
     pub hypothesis: Hypothesis,
-    /// Start of each window.
-    pub starts: Vec<RigState<f64>>,
+    /// Start of each window, and its torques.
+    pub starts: Vec<Start>,
     /// Gram matrix of each window at the best values; `None` where the model cannot run.
     pub grams: Vec<Option<Gram>>,
     /// Fluctuation of the friction that goes with the fit.
@@ -40,7 +47,8 @@ struct State<'a> {
     data: &'a Data,
     fit: Fit,
     forms: Vec<Option<Reduced>>,
-    damping: f64,
+    /// Share of the step that the quadratic forms suggest which is tried next.
+    share: f64,
 }
 
 impl Fit {
@@ -49,7 +57,7 @@ impl Fit {
     pub fn at(
         data: &Data,
         hypothesis: Hypothesis,
-        starts: Vec<RigState<f64>>,
+        starts: Vec<Start>,
         disturbance: Disturbance,
     ) -> Self {
         let mut hypothesis = hypothesis;
@@ -84,7 +92,7 @@ impl Fit {
             data,
             fit: self,
             forms,
-            damping: 1e-4,
+            share: 1.0,
         };
         let anchors = data.anchors();
         let mut quiet = 0;
@@ -94,18 +102,18 @@ impl Fit {
                 break;
             };
             let gained = before - trial.0.loss;
-            let settled = gained.abs() < CONVERGED + RELATIVELY * before.abs();
+            let settled = gained.abs() < state.share * (CONVERGED + RELATIVELY * before.abs());
             if gained > 0.0 {
                 (state.fit, state.forms) = trial;
-                state.damping = (state.damping * 0.1).max(1e-9);
+                state.share = (state.share * LONGER).min(1.0);
                 if fluctuates {
                     state.adapt();
                 }
             } else {
-                state.damping *= 30.0;
+                state.share *= SHORTER;
             }
             quiet = if settled { quiet + 1 } else { 0 };
-            if quiet >= 2 || settled && gained <= 0.0 || state.damping > 1e8 {
+            if quiet >= 2 || settled && gained <= 0.0 || state.share < LEAST_SHARE {
                 state.fit.is_converged = true;
                 break;
             }
@@ -121,7 +129,7 @@ impl Fit {
             data,
             fit: self,
             forms,
-            damping: 1e-4,
+            share: 1.0,
         };
         state.adapt();
         self = state.fit;
@@ -252,16 +260,6 @@ impl Fit {
             numbers: 0.0,
         }
     }
-
-    /// Values and standard deviations of all that is free.
-    #[must_use]
-    pub fn estimates(&self, data: &Data) -> Vec<Estimate> {
-        let forms = self.reduced(data);
-        let (curvature, _) = self.normal_equations(&forms);
-        let covariance = Cholesky::new(curvature).map(|c| c.inverse());
-        self.hypothesis
-            .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]))
-    }
 }
 
 impl State<'_> {
@@ -291,13 +289,10 @@ impl State<'_> {
     }
 
     /// One damped step.
-    fn trial(&self, anchors: &[RigState<f64>]) -> Option<(Fit, Vec<Option<Reduced>>)> {
+    fn trial(&self, anchors: &[Start]) -> Option<(Fit, Vec<Option<Reduced>>)> {
         let (fit, data) = (&self.fit, self.data);
-        let (mut curvature, gradient) = fit.normal_equations(&self.forms);
-        for j in 0..curvature.nrows() {
-            curvature[(j, j)] *= 1.0 + self.damping;
-        }
-        let step = bounded_step(&fit.hypothesis, &curvature, &gradient)?;
+        let (curvature, gradient) = fit.normal_equations(&self.forms);
+        let step = bounded_step(&fit.hypothesis, &curvature, &gradient)? * self.share;
         let mut hypothesis = fit.hypothesis.clone();
         for (x, d) in hypothesis.x.iter_mut().zip(step.iter()) {
             *x += d;
@@ -311,14 +306,17 @@ impl State<'_> {
                 .zip(&fit.hypothesis.x)
                 .map(|(a, b)| a - b),
         );
-        let starts: Vec<RigState<f64>> = fit
+        let starts: Vec<Start> = fit
             .starts
             .iter()
             .zip(&self.forms)
             .zip(&data.windows)
             .map(|((start, form), window)| match form {
-                Some(form) => window.moved(start, &form.start_change(&taken)),
-                None => *start,
+                Some(form) => Start {
+                    state: window.moved(&start.state, &form.start_change(&taken)),
+                    torques: form.torques(&taken),
+                },
+                None => start.clone(),
             })
             .collect();
         let grams = grams(data, &hypothesis, &starts);
@@ -353,7 +351,7 @@ impl Fit {
 pub(crate) fn rescue(
     data: &Data,
     before: &[Option<Reduced>],
-    fallback: &[RigState<f64>],
+    fallback: &[Start],
     fit: &mut Fit,
     forms: &mut [Option<Reduced>],
 ) {
@@ -367,7 +365,7 @@ pub(crate) fn rescue(
         return;
     }
     let part = data.part(&worse);
-    let part_starts: Vec<RigState<f64>> = worse.iter().map(|&j| fallback[j]).collect();
+    let part_starts: Vec<Start> = worse.iter().map(|&j| fallback[j].clone()).collect();
     let part_grams = grams(&part, &fit.hypothesis, &part_starts);
     let part_forms = reduced(&part, &part_starts, &part_grams, &fit.disturbance);
     for (((j, start), gram), form) in worse

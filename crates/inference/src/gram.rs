@@ -3,7 +3,7 @@
 use crate::bristle_start::deflect_bristles;
 use crate::record::{CHANNELS, Run, channel};
 use crate::scales::Scales;
-use crate::window::{PIECE, START_COMPONENTS, STARTS, Window, starts_of};
+use crate::window::{PIECE, START_COMPONENTS, STARTS, Start, Window, starts_of};
 use nalgebra::DMatrix;
 use stickslip::friction::{ContactMode, Regime, acceleration_angle};
 use stickslip::integrator::{IntegrationError, Options, Simulation};
@@ -103,7 +103,7 @@ pub fn window_gram<const N: usize>(
     run: &Run,
     scales: &Scales,
     window: &Window,
-    start: &RigState<f64>,
+    start: &Start,
     whitening: &[f64; CHANNELS],
     last: &mut Option<LastRun<N>>,
 ) -> Result<Gram, IntegrationError> {
@@ -120,6 +120,7 @@ pub fn window_gram<const N: usize>(
         row[j] = 1.0;
     }
     let delay = rig.effects.sensor_delay.map_or(Dual::ZERO, |d| d.delay);
+    let torque = |piece: usize| start.torques.get(piece).copied().unwrap_or(0.0);
     let mut simulation = started(rig, run, window, start, last.take())?;
     start_on_measured_branch(&mut simulation, &window.accelerations)?;
     let mut places = Vec::with_capacity(pieces);
@@ -133,7 +134,7 @@ pub fn window_gram<const N: usize>(
         let mut sliding = true;
         for sample in from..to {
             if sample > from {
-                let new = inputs(run, sample, starts);
+                let new = inputs(run, sample, starts, torque(piece));
                 let old = simulation.inputs();
                 if new.voltage[0].value != old.voltage[0].value
                     || new.normal_force[0].value != old.normal_force[0].value
@@ -210,7 +211,8 @@ pub fn window_gram<const N: usize>(
         if !is_last {
             let end = simulation.state_at(run.time[to]);
             advance_chain(&end, piece, pieces, free, &mut chain[..starts]);
-            simulation.continue_from(run.time[to], inputs(run, to, starts), |state| {
+            let next = inputs(run, to, starts, torque(piece + 1));
+            simulation.continue_from(run.time[to], next, |state| {
                 *state = end.map(|value| Dual::constant(value.value));
                 seed(state, starts);
             })?;
@@ -222,6 +224,7 @@ pub fn window_gram<const N: usize>(
         }
     }
     *last = Some(simulation);
+    without_torques(&mut products, starts, &start.torques);
     Ok(Gram {
         products,
         starts,
@@ -231,19 +234,42 @@ pub fn window_gram<const N: usize>(
     })
 }
 
+/// Tells the residuals as they would be without the torques under which the window ran, so that quadratic forms are in the
+/// torques themselves wherever they were linearised.
+fn without_torques(products: &mut DMatrix<f64>, first: usize, torques: &[f64]) {
+    let residual = products.ncols() - 1;
+    let mut change = products.column(residual) * 0.0;
+    for (piece, torque) in torques.iter().enumerate() {
+        change += products.column(first + piece) * *torque;
+    }
+    let square: f64 = torques
+        .iter()
+        .enumerate()
+        .map(|(piece, torque)| {
+            torque * (2.0 * products[(first + piece, residual)] + change[first + piece])
+        })
+        .sum();
+    for j in 0..residual {
+        products[(j, residual)] += change[j];
+        products[(residual, j)] += change[j];
+    }
+    products[(residual, residual)] += square;
+}
+
 /// The run of `rig` at the first sample of `window`, on the memory of `last` where that is the same rig's.
 fn started<const N: usize>(
     rig: &Rig<Dual<N>>,
     run: &Run,
     window: &Window,
-    start: &RigState<f64>,
+    start: &Start,
     last: Option<LastRun<N>>,
 ) -> Result<Box<Simulation<Dual<N>, Rig<Dual<N>>>>, IntegrationError> {
-    let mut state: RigState<Dual<N>> = start.map(Dual::constant);
+    let mut state: RigState<Dual<N>> = start.state.map(Dual::constant);
     seed(&mut state, starts_of(rig));
     deflect_bristles(rig, &mut state);
     let time = run.time[window.first];
-    let inputs = inputs(run, window.first, starts_of(rig));
+    let torque = start.torques.first().copied().unwrap_or(0.0);
+    let inputs = inputs(run, window.first, starts_of(rig), torque);
     match last {
         Some(mut simulation) => {
             simulation.start_over(time, state, inputs)?;
@@ -319,14 +345,19 @@ fn disc_reading<const N: usize>(
     ))
 }
 
-fn inputs<const N: usize>(run: &Run, sample: usize, starts: usize) -> RigInputs<Dual<N>> {
+fn inputs<const N: usize>(
+    run: &Run,
+    sample: usize,
+    starts: usize,
+    torque: f64,
+) -> RigInputs<Dual<N>> {
     let force_1 = run.normal_force_1.get(sample).copied();
     let mut inputs = RigInputs::held(
         Dual::constant(run.voltage[sample]),
         Dual::constant(run.normal_force[sample]),
         Dual::constant(force_1.unwrap_or_default()),
     );
-    inputs.disc_torque = Dual::variable(0.0, starts);
+    inputs.disc_torque = Dual::variable(torque, starts);
     inputs.motor_torque = Dual::variable(0.0, starts + 1);
     inputs
 }

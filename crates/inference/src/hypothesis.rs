@@ -8,7 +8,8 @@ use stickslip::series::{Dual, Scalar};
 /// One or two numbers that a fit may change, and how they enter the model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Free {
-    /// A nominal parameter, known to a relative standard deviation; the number is its relative change.
+    /// A nominal parameter, known to a relative standard deviation; the number is the logarithm of its change, since products and
+    /// quotients of parameters are what records tell.
     Nominal {
         /// Dotted name.
         name: String,
@@ -125,7 +126,7 @@ impl Hypothesis {
         for free in &self.free {
             match free {
                 Free::Nominal { name, nominal, .. } if name == dotted => {
-                    return Some(nominal * (1.0 + self.x[at]));
+                    return Some(nominal * self.x[at].exp());
                 }
                 Free::Value {
                     name,
@@ -151,7 +152,7 @@ impl Hypothesis {
             match free {
                 Free::Nominal { name, nominal, .. } => {
                     if let Some(value) = other.value(name) {
-                        self.x[at] = value / nominal - 1.0;
+                        self.x[at] = (value / nominal).ln();
                     }
                 }
                 Free::Value {
@@ -353,7 +354,7 @@ impl Hypothesis {
         for free in &self.free {
             match free {
                 Free::Nominal { name, nominal, .. } => {
-                    rig.set_parameter(name, (x[at] + 1.0) * *nominal)?;
+                    rig.set_parameter(name, x[at].exp() * *nominal)?;
                 }
                 Free::Value {
                     name,
@@ -408,12 +409,8 @@ impl Hypothesis {
             let own = covariance(at, at).max(0.0).sqrt();
             match free {
                 Free::Nominal { name, nominal, .. } => {
-                    push(
-                        name,
-                        nominal * (1.0 + self.x[at]),
-                        nominal.abs() * own,
-                        true,
-                    );
+                    let value = nominal * self.x[at].exp();
+                    push(name, value, value.abs() * own, true);
                 }
                 Free::Value {
                     name,

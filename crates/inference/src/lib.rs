@@ -5,6 +5,7 @@
 //! compared by their log evidence ([`search`]).
 
 pub mod bristle_start;
+mod certainty;
 pub mod check;
 pub mod data;
 pub mod diagnosis;

@@ -45,7 +45,10 @@ pub struct Reduced {
     right: DVector<f64>,
     cross: DMatrix<f64>,
     active: Vec<usize>,
+    scales: Vec<f64>,
     starts: usize,
+    /// First column of the disc's torques, and behind their last.
+    disc: (usize, usize),
 }
 
 /// Integrates the nuisances of a window out.
@@ -154,8 +157,10 @@ pub fn reduce(
         nuisance,
         right,
         cross,
-        active: active.iter().zip(&scales).map(|(&i, _)| i).collect(),
+        active,
+        scales,
         starts,
+        disc: (gram.disc(), gram.motor()),
     })
 }
 
@@ -164,6 +169,23 @@ impl Reduced {
     pub fn start_change(&self, step: &DVector<f64>) -> [f64; STARTS] {
         let solution = self.nuisance.solve(&(&self.right - &self.cross * step));
         std::array::from_fn(|j| if j < self.starts { solution[j] } else { 0.0 })
+    }
+
+    /// Best torque on the disc in each piece when the free numbers change by `step`; none where it is not free.
+    #[must_use]
+    pub fn torques(&self, step: &DVector<f64>) -> Vec<f64> {
+        let solution = self.nuisance.solve(&(&self.right - &self.cross * step));
+        let (first, behind) = self.disc;
+        let mut torques = vec![0.0; behind - first];
+        for a in self.starts..self.active.len() {
+            if let Some(torque) = self.active[a]
+                .checked_sub(first)
+                .and_then(|piece| torques.get_mut(piece))
+            {
+                *torque = solution[a] * self.scales[a];
+            }
+        }
+        torques
     }
 
     /// Best estimate of the disturbance torques, in standard deviations, with their standard

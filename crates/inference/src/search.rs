@@ -161,6 +161,11 @@ fn explore(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnM
                 }
             }
         }
+        for name in &current.effects {
+            if let Some(limit) = effect(name).and_then(Effect::limit) {
+                replace(problem, &current, name, limit, known, progress);
+            }
+        }
         for larger in stand_ins(&current, known) {
             let extra = |name: &&&'static str| !current.effects.contains(*name);
             if let Some(left_out) = larger.effects.iter().find(extra) {
@@ -195,14 +200,14 @@ fn stand_ins(current: &Candidate, known: &[Candidate]) -> Vec<Candidate> {
         .collect()
 }
 
-/// Sorts sets by their scores, and puts before them the one that none of fewer effects comes near.
+/// Sorts sets by their scores, and puts before them the one that no other of as many effects or fewer leads.
 fn best_first(known: &mut [Candidate]) {
     known.sort_by(|a, b| b.score().total_cmp(&a.score()));
     let mut best = 0;
     for other in 1..known.len() {
-        let fewer = known[other].effects.len() < known[best].effects.len();
+        let is_larger = known[other].effects.len() > known[best].effects.len();
         let counts = known[other].score() > f64::NEG_INFINITY;
-        if fewer && counts && known[best].lead(&known[other]) < 0.0 {
+        if !is_larger && counts && known[best].lead(&known[other]) < 0.0 {
             best = other;
         }
     }
@@ -345,6 +350,30 @@ fn keep(known: &mut Vec<Candidate>, candidate: Candidate) {
         Some(other) if other.evidence >= candidate.evidence => {}
         Some(other) => *other = candidate,
         None => known.push(candidate),
+    }
+}
+
+/// Tries `current` with the effect `limit` in place of `name`, from the numbers that both have.
+fn replace(
+    problem: &Problem,
+    current: &Candidate,
+    name: &str,
+    limit: &'static str,
+    known: &mut Vec<Candidate>,
+    progress: &mut dyn FnMut(&str),
+) {
+    let own = current.effects.iter().copied();
+    let names: Vec<&'static str> = own
+        .map(|own| if own == name { limit } else { own })
+        .collect();
+    progress(&named(&names));
+    let hypothesis = rebuilt(problem, &names, &current.fit.hypothesis);
+    if names
+        .iter()
+        .all(|name| hypothesis.effects.iter().any(|own| own == name))
+    {
+        let fit = fit_from(problem, hypothesis, Some(&current.fit), false);
+        keep(known, candidate(problem, fit));
     }
 }
 

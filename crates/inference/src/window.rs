@@ -48,6 +48,24 @@ pub fn starts_of<S: Scalar>(rig: &Rig<S>) -> usize {
     }
 }
 
+/// From where, and under which torques of its own, a window runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// State at the first sample.
+    pub state: RigState<f64>,
+    /// Torque on the disc beside the model's in each piece, from the first on; those that are not there are zero.
+    pub torques: Vec<f64>,
+}
+
+impl From<RigState<f64>> for Start {
+    fn from(state: RigState<f64>) -> Self {
+        Self {
+            state,
+            torques: Vec::new(),
+        }
+    }
+}
+
 /// A window of one record.
 #[derive(Clone, Debug)]
 pub struct Window {

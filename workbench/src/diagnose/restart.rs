@@ -10,7 +10,7 @@ use inference::hypothesis::Hypothesis;
 use inference::marginal::Disturbance;
 use inference::record::{CHANNELS, RawRecord, channel};
 use inference::units::PlantUnits;
-use inference::window::{PIECE, START_COMPONENTS, Window};
+use inference::window::{PIECE, START_COMPONENTS, Start, Window};
 use nalgebra::{DMatrix, DVector};
 use stickslip::plant::{Rig, RigState, index};
 
@@ -29,7 +29,7 @@ const DISC_CHANNELS: usize = 2;
 #[derive(Debug, Clone)]
 pub struct Starts {
     /// State at each window's first sample, as fits have it; [`Self::to_set`] is for components.
-    pub states: Vec<RigState<f64>>,
+    pub states: Vec<Start>,
     /// Derivatives of each window there; `None` where the model cannot run.
     pub grams: Vec<Option<Gram>>,
 }
@@ -43,7 +43,7 @@ pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
         free: Vec::new(),
         x: Vec::new(),
     };
-    let mut states: Vec<RigState<f64>> = data.anchors();
+    let mut states = data.anchors();
     let mut present = grams(data, &hypothesis, &states);
     let mut forms = reduced(data, &states, &present, &Disturbance::NONE);
     let nothing = DVector::zeros(0);
@@ -52,14 +52,14 @@ pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
     let mut shares = vec![1.0; states.len()];
     for _ in 0..MOST_IMPROVEMENTS {
         let part = data.part(&open);
-        let trial: Vec<RigState<f64>> = open
+        let trial: Vec<Start> = open
             .iter()
             .map(|&at| match &forms[at] {
                 Some(form) => {
                     let change = form.start_change(&nothing).map(|x| shares[at] * x);
-                    data.windows[at].moved(&states[at], &change)
+                    Start::from(data.windows[at].moved(&states[at].state, &change))
                 }
-                None => states[at],
+                None => states[at].clone(),
             })
             .collect();
         let trial_grams = grams(&part, &hypothesis, &trial);
@@ -96,7 +96,7 @@ pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
 }
 
 /// Sum of squares of a window at its start, with the prior's part; infinite where the model cannot run.
-fn misfit(gram: &Option<Gram>, state: &RigState<f64>, data: &Data, at: usize) -> f64 {
+fn misfit(gram: &Option<Gram>, start: &Start, data: &Data, at: usize) -> f64 {
     let window = &data.windows[at];
     let Some(gram) = gram else {
         return f64::INFINITY;
@@ -105,7 +105,7 @@ fn misfit(gram: &Option<Gram>, state: &RigState<f64>, data: &Data, at: usize) ->
         .iter()
         .zip(window.deviations)
         .map(|(&component, deviation)| {
-            ((state[component] - window.anchor[component]) / deviation).powi(2)
+            ((start.state[component] - window.anchor[component]) / deviation).powi(2)
         })
         .sum();
     gram.products[(gram.residual(), gram.residual())] + prior
@@ -117,8 +117,8 @@ impl Starts {
     pub fn to_set(&self, rig: &Rig<f64>, units: &PlantUnits) -> Vec<RigState<f64>> {
         self.states
             .iter()
-            .map(|state| {
-                let mut state = *state;
+            .map(|start| {
+                let mut state = start.state;
                 deflect_bristles(rig, &mut state);
                 units.state_to_si(&state)
             })

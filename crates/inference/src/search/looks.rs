@@ -48,7 +48,7 @@ fn look_data(problem: &Problem, current: &Candidate) -> (Data, Fit) {
     };
     let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning).collect();
     let part = data.part(&kept);
-    let starts = kept.iter().map(|&j| fit.starts[j]).collect();
+    let starts = kept.iter().map(|&j| fit.starts[j].clone()).collect();
     let on_part = Fit::at(&part, fit.hypothesis, starts, fit.disturbance);
     (part, on_part)
 }
