@@ -10,7 +10,7 @@ use crate::hypothesis::Hypothesis;
 use crate::marginal::{Disturbance, Reduced, reduce};
 use crate::record::{CHANNELS, Run};
 use crate::scales::Scales;
-use crate::window::{Begin, Cut, START_COMPONENTS, STARTS, Start, Window};
+use crate::window::{Begin, Cut, PIECE, START_COMPONENTS, STARTS, Start, Window};
 
 /// Derivative slots for hypotheses of ordinary size.
 const FEW_SLOTS: usize = 21;
@@ -37,6 +37,8 @@ pub struct Data {
     pub deviations: [f64; CHANNELS],
     /// Sizes of the records.
     pub scales: Scales,
+    /// Length of the pieces of a window in each of which a torque of its own may act beside the model's.
+    pub piece: f64,
 }
 
 impl Data {
@@ -61,6 +63,25 @@ impl Data {
             windows,
             deviations,
             scales,
+            piece: PIECE,
+        }
+    }
+
+    /// The same windows in one piece each: much cheaper, where no torque is free beside the model's.
+    #[must_use]
+    pub fn undivided(self) -> Self {
+        Self {
+            piece: f64::INFINITY,
+            ..self
+        }
+    }
+
+    /// The same windows in pieces.
+    #[must_use]
+    pub fn divided(self) -> Self {
+        Self {
+            piece: PIECE,
+            ..self
         }
     }
 
@@ -138,6 +159,7 @@ fn grams_with_slots<const N: usize>(
                     window,
                     start,
                     &data.deviations,
+                    data.piece,
                     last,
                 )
                 .ok()

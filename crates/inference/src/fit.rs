@@ -380,7 +380,7 @@ pub(crate) fn rescue(
     }
 }
 
-/// The step that the quadratic forms suggest within what a step may change ([`Hypothesis::step_ranges`]): numbers that would
+/// The step that the quadratic forms suggest within the numbers' ranges, shortened to what one step may change: numbers that would
 /// leave it stop at its end, and the others move as is best then.
 fn bounded_step(
     hypothesis: &Hypothesis,
@@ -414,5 +414,12 @@ fn bounded_step(
         }
         open = still_open;
     }
-    Some(step)
+    // All numbers are held back alike: what they do together is what makes the step right.
+    let share = hypothesis
+        .longest_step()
+        .iter()
+        .zip(&step)
+        .map(|(most, change)| most / change.abs())
+        .fold(1.0, f64::min);
+    Some(step * share)
 }

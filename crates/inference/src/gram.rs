@@ -3,7 +3,7 @@
 use crate::bristle_start::deflect_bristles;
 use crate::record::{CHANNELS, Run, channel};
 use crate::scales::Scales;
-use crate::window::{PIECE, START_COMPONENTS, STARTS, Start, Window, starts_of};
+use crate::window::{START_COMPONENTS, STARTS, Start, Window, starts_of};
 use nalgebra::DMatrix;
 use stickslip::friction::{ContactMode, Regime, acceleration_angle};
 use stickslip::integrator::{IntegrationError, Options, Simulation};
@@ -94,7 +94,8 @@ pub type LastRun<const N: usize> = Box<Simulation<Dual<N>, Rig<Dual<N>>>>;
 
 /// Runs the model, which has `free` free numbers, through `window` from `start`.
 ///
-/// `whitening` holds the standard deviations of the channels. `last` may hold a run of the same model through another window,
+/// `whitening` holds the standard deviations of the channels; a torque of its own acts on disc and motor in each piece of
+/// `piece_length`. `last` may hold a run of the same model through another window,
 /// which does not change the result.
 #[allow(clippy::too_many_arguments)]
 pub fn window_gram<const N: usize>(
@@ -105,10 +106,11 @@ pub fn window_gram<const N: usize>(
     window: &Window,
     start: &Start,
     whitening: &[f64; CHANNELS],
+    piece_length: f64,
     last: &mut Option<LastRun<N>>,
 ) -> Result<Gram, IntegrationError> {
-    let per_piece = ((PIECE / run.interval()).round() as usize).max(1);
     let samples = window.last - window.first;
+    let per_piece = ((piece_length / run.interval()).round() as usize).clamp(1, samples.max(1));
     let pieces = samples.div_ceil(per_piece);
     let starts = starts_of(rig);
     let is_full = rig.outer.is_some();

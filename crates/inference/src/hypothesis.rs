@@ -227,19 +227,18 @@ impl Hypothesis {
         sliding.flatten().map_or(low, |sliding| low.max(sliding))
     }
 
-    /// What one step of a fit may change of each free number: not more than is within its range, nor so much that windows
-    /// stick that did not, of which no derivative tells.
+    /// How far down and up each free number may go within its range.
     #[must_use]
     pub fn step_ranges(&self) -> Vec<(f64, f64)> {
         let mut at = 0;
         let mut ranges = Vec::with_capacity(self.x.len());
+        let unbounded = (f64::NEG_INFINITY, f64::INFINITY);
         for free in &self.free {
             let x = self.x[at];
             match free {
                 Free::Nominal { deviation, .. } => {
                     let reach = (REACH * deviation).min(0.9);
-                    let most = 2.0 * deviation;
-                    ranges.push(((-reach - x).clamp(-most, 0.0), (reach - x).clamp(0.0, most)));
+                    ranges.push((-reach - x, reach - x));
                 }
                 Free::Value {
                     name,
@@ -248,15 +247,31 @@ impl Hypothesis {
                     low,
                     high,
                 } => ranges.push((
-                    ((self.lowest(name, *low) - origin) / scale - x).clamp(-0.5, 0.0),
-                    ((high - origin) / scale - x).clamp(0.0, 0.5),
+                    ((self.lowest(name, *low) - origin) / scale - x).min(0.0),
+                    ((high - origin) / scale - x).max(0.0),
                 )),
-                Free::Polar { .. } => ranges.extend([(-0.5, 0.5), (-0.5, 0.5)]),
-                Free::Level => ranges.push((-0.2, 0.2)),
+                Free::Polar { .. } => ranges.extend([unbounded, unbounded]),
+                Free::Level => ranges.push(unbounded),
             }
             at += free.width();
         }
         ranges
+    }
+
+    /// The most that one step of a fit may change each free number by, so that windows do not stick that did not, of which no
+    /// derivative tells.
+    #[must_use]
+    pub fn longest_step(&self) -> Vec<f64> {
+        let mut longest = Vec::with_capacity(self.x.len());
+        for free in &self.free {
+            match free {
+                Free::Nominal { deviation, .. } => longest.push(2.0 * deviation),
+                Free::Value { .. } => longest.push(0.5),
+                Free::Polar { .. } => longest.extend([0.5, 0.5]),
+                Free::Level => longest.push(0.2),
+            }
+        }
+        longest
     }
 
     /// Names of the numbers that are where their range ends, so that their best value is none that they may have.

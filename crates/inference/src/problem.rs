@@ -80,9 +80,9 @@ impl Problem {
             )
         };
         let (long, short) = if seen {
-            (cut(LENGTH), cut(SHORT))
+            (cut(LENGTH), cut(SHORT).undivided())
         } else {
-            (cut(UNSEEN), cut(LENGTH))
+            (cut(UNSEEN), cut(LENGTH).undivided())
         };
         Ok(Self {
             units,

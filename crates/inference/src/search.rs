@@ -162,7 +162,10 @@ fn explore(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnM
             }
         }
         for name in &current.effects {
-            if let Some(limit) = effect(name).and_then(Effect::limit) {
+            let limit = effect(name)
+                .and_then(Effect::limit)
+                .filter(|limit| is_possible(problem, limit));
+            if let Some(limit) = limit {
                 replace(problem, &current, name, limit, known, progress);
             }
         }
@@ -368,13 +371,15 @@ fn replace(
         .collect();
     progress(&named(&names));
     let hypothesis = rebuilt(problem, &names, &current.fit.hypothesis);
-    if names
-        .iter()
-        .all(|name| hypothesis.effects.iter().any(|own| own == name))
-    {
-        let fit = fit_from(problem, hypothesis, Some(&current.fit), false);
-        keep(known, candidate(problem, fit));
-    }
+    let fit = fit_from(problem, hypothesis, Some(&current.fit), false);
+    keep(known, candidate(problem, fit));
+}
+
+/// Whether an effect makes sense on the analyst's model.
+fn is_possible(problem: &Problem, name: &str) -> bool {
+    let base = problem.hypothesis();
+    effect(name).is_some_and(|effect| !effect.starts(&base, &problem.long.scales, None).is_empty())
+        && !problem.without.iter().any(|own| own == name)
 }
 
 fn remove(

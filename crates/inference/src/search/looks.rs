@@ -8,8 +8,9 @@ use crate::hypothesis::Hypothesis;
 use crate::law_start::Scatter;
 use crate::loss;
 use crate::marginal::Disturbance;
-use crate::policy::{FAR, LN_PRIOR_ODDS, WRONG};
+use crate::policy::{FAR, LN_PRIOR_ODDS, RIVAL, WRONG};
 use crate::problem::Problem;
+use crate::window::Start;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// Log evidence that a set with one effect exchanged may promise less than the present one to be fitted.
@@ -29,17 +30,24 @@ pub(super) struct Look {
 }
 
 /// The windows on which starts are looked at on top of a fit, and where they start there.
+///
+/// A fit that explains the records, be it with fluctuating friction, is looked at as it is: what explains its fluctuation is
+/// nothing that is missing. From another one friction is taken to be calm, since fluctuation stands in for what is missing.
 fn look_data(problem: &Problem, current: &Candidate) -> (Data, Fit) {
     let long = &problem.long;
-    let calm = current.fit.calm(long);
-    let (data, fit) = if calm.misfit(long) > FAR {
-        let short = &problem.short;
-        let hypothesis = current.fit.hypothesis.clone();
-        let fit = Fit::at(short, hypothesis, short.anchors(), Disturbance::NONE)
-            .improved_calmly(short, 3);
-        (short, fit)
+    let (data, fit) = if is_near(problem, current) {
+        (long, current.fit.clone())
     } else {
-        (long, calm)
+        let calm = current.fit.calm(long);
+        if calm.misfit(long) > FAR {
+            let short = &problem.short;
+            let hypothesis = current.fit.hypothesis.clone();
+            let fit = Fit::at(short, hypothesis, short.anchors(), Disturbance::NONE)
+                .improved_calmly(short, 3);
+            (short, fit)
+        } else {
+            (long, calm)
+        }
     };
     let thinning = if std::ptr::eq(data, long) {
         1
@@ -48,9 +56,20 @@ fn look_data(problem: &Problem, current: &Candidate) -> (Data, Fit) {
     };
     let kept: Vec<usize> = (0..data.windows.len()).step_by(thinning).collect();
     let part = data.part(&kept);
-    let starts = kept.iter().map(|&j| fit.starts[j].clone()).collect();
+    let starts = kept.iter().map(|&j| fit.starts[j].clone());
+    let (part, starts) = if fit.disturbance == Disturbance::NONE {
+        let without_torques = starts.map(|start| Start::from(start.state));
+        (part.undivided(), without_torques.collect())
+    } else {
+        (part, starts.collect())
+    };
     let on_part = Fit::at(&part, fit.hypothesis, starts, fit.disturbance);
     (part, on_part)
+}
+
+/// Whether a set explains the records up to noise and some fluctuation of friction.
+fn is_near(problem: &Problem, current: &Candidate) -> bool {
+    !current.fit.fluctuates_most() && current.fit.misfit(&problem.long) <= WRONG
 }
 
 /// What every start of `effects` promises on top of `current`, the most first.
@@ -61,8 +80,8 @@ pub(super) fn looks(
     progress: &mut dyn FnMut(&str),
 ) -> Vec<Look> {
     let (part, base) = look_data(problem, current);
-    let is_far = base.misfit(&part) > WRONG;
-    let scatter = is_far.then(|| Scatter::of(&part, &base));
+    let is_far = base.calm(&part).misfit(&part) > WRONG;
+    let scatter = is_far.then(|| scatter(part.clone().divided(), &base));
     let mut looks = Vec::new();
     for effect in effects {
         progress(effect.name);
@@ -88,6 +107,13 @@ pub(super) fn looks(
     }
     looks.sort_by(|a, b| b.promise.total_cmp(&a.promise));
     looks
+}
+
+/// The friction that the windows of `fit` show.
+fn scatter(data: Data, fit: &Fit) -> Scatter {
+    let calm = Disturbance::NONE;
+    let divided = Fit::at(&data, fit.hypothesis.clone(), fit.starts.clone(), calm);
+    Scatter::of(&data, &divided)
 }
 
 /// Log evidence that one more step promises.
@@ -118,10 +144,14 @@ pub(super) fn followed(
     looks: Vec<Look>,
     progress: &mut dyn FnMut(&str),
 ) -> Vec<Look> {
-    let (part, _) = look_data(problem, current);
-    let is_far = current.fit.calm(&problem.long).misfit(&problem.long) > FAR;
+    let (part, base) = look_data(problem, current);
+    let nothing = promise(&base, &part);
     // Near the truth a step promises what it holds; from afar it may hold more.
-    let least = if is_far { LN_PRIOR_ODDS } else { 0.0 };
+    let least = if is_near(problem, current) {
+        RIVAL.ln() - LN_PRIOR_ODDS
+    } else {
+        LN_PRIOR_ODDS
+    };
     let mut field: Vec<Look> = looks
         .into_iter()
         .filter(|look| look.promise > least)
@@ -141,7 +171,7 @@ pub(super) fn followed(
             if steps > 0 {
                 progress(look.effect.name);
                 let fit = look.fit.clone().improved_calmly(&part, steps);
-                look.promise = promise(&fit, &part);
+                look.promise = promise(&fit, &part) - nothing;
                 look.fit = fit;
             }
         }
