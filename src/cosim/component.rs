@@ -2,13 +2,12 @@
 
 use super::identity::Identity;
 use super::input_signals::InputSignals;
-use super::model::{CoSimulationModel, ModelError, StepEnd};
+use super::model::{CoSimulationModel, ModelError, Notice, StepEnd};
 use super::part::{Course, Known, Part, Quantity, Signal, read_parameters, write_parameters};
 use super::state::{StateError, StateReader, StateWriter};
 use super::token::Token;
 use super::variables::{TableError, VariableTable};
 use crate::parameter;
-use std::fmt;
 use std::mem;
 use std::sync::Arc;
 
@@ -259,7 +258,7 @@ impl<C: Course<INPUTS, STARTS>, const INPUTS: usize, const STARTS: usize> CoSimu
         })
     }
 
-    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn fmt::Display)) {
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn Notice)) {
         if let Some(course) = &mut self.course {
             course.drain_notices(tell);
         }

@@ -23,7 +23,7 @@ pub use identity::{
     DefaultExperiment, Identity, LOG_CATEGORIES, LogCategory, MAX_INPUT_DERIVATIVE_ORDER,
     MAX_OUTPUT_DERIVATIVE_ORDER,
 };
-pub use model::{CoSimulationModel, ModelError, StepEnd};
+pub use model::{CoSimulationModel, ModelError, Notice, StepEnd};
 pub use open::{MODEL_FILE, open, open_for_exchange};
 pub use state::{StateError, StateReader, StateWriter};
 pub use token::Token;

@@ -19,6 +19,15 @@ pub struct StepEnd {
     pub switched: bool,
 }
 
+/// Something that happened at an instant and that people may want to read: as text with the time, for a log.
+pub trait Notice: fmt::Display {
+    /// When [s].
+    fn time(&self) -> f64;
+
+    /// What happened, without the time.
+    fn what(&self) -> String;
+}
+
 /// A component for co-simulation, as narrow as both standards allow.
 ///
 /// Variables are addressed by their value reference in [`table`](Self::table). The caller has checked
@@ -113,8 +122,8 @@ pub trait CoSimulationModel: Send {
     /// The integrator gives up; the time stays where it got to.
     fn step(&mut self, until: f64, stop_at_switch: bool) -> Result<StepEnd, ModelError>;
 
-    /// Hands on, and forgets, what happened that people may want to read in the log.
-    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn fmt::Display));
+    /// Hands on, and forgets, what happened.
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn Notice));
 
     /// Writes all that the future depends on, so that a restored model continues bit for bit.
     fn save(&self, state: &mut StateWriter);

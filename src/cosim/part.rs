@@ -2,11 +2,10 @@
 
 use super::identity::Identity;
 use super::input_signals::InputSignals;
-use super::model::{ModelError, StepEnd};
+use super::model::{ModelError, Notice, StepEnd};
 use super::state::{StateError, StateReader, StateWriter};
 use super::variables::{TableError, VariableTable};
 use crate::parameter::{ParameterError, Section};
-use std::fmt;
 
 /// What a row of the variable table stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,8 +129,8 @@ pub(super) trait Course<const INPUTS: usize, const STARTS: usize>: Sized + Send 
         time: f64,
     ) -> Result<Option<f64>, ModelError>;
 
-    /// Hands on, and forgets, what happened that people may want to read in the log.
-    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn fmt::Display));
+    /// Hands on, and forgets, what happened.
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn Notice));
 
     /// Writes all that its future depends on.
     fn save(&self, state: &mut StateWriter);

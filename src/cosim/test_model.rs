@@ -2,9 +2,11 @@
 //! feed-through, as `y = x + gain u`; `above` switches where x rises through 0.5.
 
 use super::{
-    Causality, CoSimulationModel, DefaultExperiment, Identity, Initial, ModelError, StateError,
-    StateReader, StateWriter, StepEnd, Token, Variability, Variable, VariableTable, VariableType,
+    Causality, CoSimulationModel, DefaultExperiment, Identity, Initial, ModelError, Notice,
+    StateError, StateReader, StateWriter, StepEnd, Token, Variability, Variable, VariableTable,
+    VariableType,
 };
+use std::fmt;
 use std::sync::Arc;
 
 pub(crate) const MODEL_TOML: &str = "test_model = \"relaxation\"\n";
@@ -35,6 +37,28 @@ static IDENTITY: Identity = Identity {
         step_size: 0.1,
     },
 };
+
+/// That `x` rose through the threshold.
+struct Passed {
+    /// End of the step in which it did [s].
+    until: f64,
+}
+
+impl Notice for Passed {
+    fn time(&self) -> f64 {
+        self.until
+    }
+
+    fn what(&self) -> String {
+        format!("x passed {THRESHOLD} before t = {} s", self.until)
+    }
+}
+
+impl fmt::Display for Passed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.what())
+    }
+}
 
 fn row(name: &str, causality: Causality, variability: Variability) -> Variable {
     Variable {
@@ -118,7 +142,7 @@ pub(crate) struct TestModel {
     input_slope: f64,
     rate: f64,
     gain: f64,
-    notices: Vec<String>,
+    notices: Vec<Passed>,
 }
 
 impl TestModel {
@@ -243,8 +267,7 @@ impl CoSimulationModel for TestModel {
             until = high;
         }
         if switched {
-            self.notices
-                .push(format!("x passed {THRESHOLD} before t = {until} s"));
+            self.notices.push(Passed { until });
         }
         self.x = self.later(until - self.time);
         self.input += self.input_slope * (until - self.time);
@@ -254,7 +277,7 @@ impl CoSimulationModel for TestModel {
             switched,
         })
     }
-    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn std::fmt::Display)) {
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn Notice)) {
         self.notices.drain(..).for_each(|notice| tell(&notice));
     }
     fn save(&self, state: &mut StateWriter) {

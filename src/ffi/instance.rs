@@ -201,7 +201,7 @@ impl Instance {
     /// Writes what the model has to tell into the log.
     pub(super) fn tell_notices(&mut self) {
         let log = &self.log;
-        self.model.drain_notices(&mut |notice| log.inform(notice));
+        self.model.drain_notices(&mut |notice| log.inform(&notice));
     }
 
     /// Back to the phase after instantiation.

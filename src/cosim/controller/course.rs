@@ -4,6 +4,7 @@ use super::part::{FILTERED_TORQUE, INTEGRAL, STARTS};
 use super::state::{read_start, write_start};
 use super::variables::Signal;
 use crate::controller::{self, ControlLaw, INPUTS, Start};
+use crate::cosim;
 use crate::cosim::input_signals::InputSignals;
 use crate::cosim::part::{self, Known, read_parameters, write_parameters};
 use crate::cosim::{ModelError, StateError, StateReader, StateWriter, StepEnd};
@@ -16,14 +17,20 @@ struct Notice {
     voltage: f64,
 }
 
+impl cosim::Notice for Notice {
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn what(&self) -> String {
+        let verb = if self.saturated { "reaches" } else { "leaves" };
+        format!("the voltage {verb} its limit of {} V", self.voltage)
+    }
+}
+
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let verb = if self.saturated { "reaches" } else { "leaves" };
-        write!(
-            f,
-            "t = {} s: the voltage {verb} its limit of {} V",
-            self.time, self.voltage
-        )
+        write!(f, "t = {} s: {}", self.time, cosim::Notice::what(self))
     }
 }
 
@@ -154,7 +161,7 @@ impl part::Course<INPUTS, STARTS> for Course {
         }
     }
 
-    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn fmt::Display)) {
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn cosim::Notice)) {
         self.notices.drain(..).for_each(|notice| tell(&notice));
     }
 

@@ -6,6 +6,7 @@ use super::input_signals::InputSignals;
 use super::notice::{Notice, What};
 use super::state::{read_snapshot, write_snapshot};
 use super::variables::{CHANNELS, Friction, Signal};
+use crate::cosim;
 use crate::cosim::part::{self, Known, read_parameters, write_parameters};
 use crate::cosim::{ModelError, StateError, StateReader, StateWriter, StepEnd};
 use crate::integrator::{HybridSystem, IntegrationError, Options, Simulation};
@@ -216,7 +217,7 @@ impl part::Course<CHANNELS, STATES> for Course {
         partial_derivative(&self.run, time, unknown, known)
     }
 
-    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn fmt::Display)) {
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn cosim::Notice)) {
         self.notices.drain(..).for_each(|notice| tell(&notice));
     }
 

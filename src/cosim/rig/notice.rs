@@ -1,6 +1,7 @@
 //! What a rig tells the log.
 
 use super::variables::Friction;
+use crate::cosim;
 use std::fmt;
 
 /// Something that happened at an instant.
@@ -23,18 +24,25 @@ pub(super) enum What {
     BranchJump,
 }
 
+impl cosim::Notice for Notice {
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn what(&self) -> String {
+        match self.what {
+            What::Sticks(contact) => format!("{} sticks", name(contact)),
+            What::Slips(contact) => format!("{} breaks away", name(contact)),
+            What::BranchJump => "the friction law is many-valued here; its branch ended and the \
+                                 acceleration jumped to the other stable branch"
+                .to_owned(),
+        }
+    }
+}
+
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "t = {} s: ", self.time)?;
-        match self.what {
-            What::Sticks(contact) => write!(f, "{} sticks", name(contact)),
-            What::Slips(contact) => write!(f, "{} breaks away", name(contact)),
-            What::BranchJump => write!(
-                f,
-                "the friction law is many-valued here; its branch ended and the acceleration jumped to \
-                 the other stable branch"
-            ),
-        }
+        write!(f, "t = {} s: {}", self.time, cosim::Notice::what(self))
     }
 }
 

@@ -76,6 +76,15 @@ pub enum ComponentError {
     },
 }
 
+/// Something that happened at an instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// When [s].
+    pub time: f64,
+    /// What, in words.
+    pub what: String,
+}
+
 /// A component that can be stepped.
 ///
 /// Order of calls: [`set`](Component::set) parameters and first inputs, [`initialise`](Component::initialise), then `set`
@@ -119,6 +128,11 @@ pub trait Component {
 
     /// Number of switches between sticking and slipping so far, where the component tells.
     fn switches(&self) -> Option<u64>;
+
+    /// Hands on, and forgets, what happened since it was last asked or reset; empty where the component does not tell.
+    fn take_events(&mut self) -> Vec<Event> {
+        Vec::new()
+    }
 }
 
 /// Opens a `model.toml` natively or an `.fmu` through its binary, by the file's extension.

@@ -6,7 +6,7 @@ use std::path::Path;
 use stickslip::cosim::{self, Causality, CoSimulationModel, ModelError, VariableType};
 
 use super::variable::{Kind, Role, Variable};
-use super::{Component, ComponentError};
+use super::{Component, ComponentError, Event};
 
 /// A rig that runs natively.
 pub struct Native {
@@ -14,6 +14,7 @@ pub struct Native {
     model: Box<dyn CoSimulationModel>,
     variables: Vec<Variable>,
     switches: u64,
+    events: Vec<Event>,
 }
 
 impl Native {
@@ -41,6 +42,7 @@ impl Native {
             model,
             variables,
             switches: 0,
+            events: Vec::new(),
         })
     }
 }
@@ -80,6 +82,7 @@ impl Component for Native {
 
     fn reset(&mut self) -> Result<(), ComponentError> {
         self.model.reset();
+        self.events.clear();
         Ok(())
     }
 
@@ -99,13 +102,23 @@ impl Component for Native {
 
     fn step(&mut self, _from: f64, to: f64) -> Result<(), ComponentError> {
         self.model.step(to, false).map_err(refused)?;
-        let switches = &mut self.switches;
-        self.model.drain_notices(&mut |_| *switches += 1);
+        let (switches, events) = (&mut self.switches, &mut self.events);
+        self.model.drain_notices(&mut |notice| {
+            *switches += 1;
+            events.push(Event {
+                time: notice.time(),
+                what: notice.what(),
+            });
+        });
         Ok(())
     }
 
     fn switches(&self) -> Option<u64> {
         Some(self.switches)
+    }
+
+    fn take_events(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.events)
     }
 }
 

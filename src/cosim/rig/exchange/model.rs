@@ -7,12 +7,11 @@ use super::sensitivities::Seeds;
 use crate::cosim::exchange::{EventOutcome, ModelExchange};
 use crate::cosim::part::{Part, Quantity, read_parameters, write_parameters};
 use crate::cosim::{
-    CoSimulationModel, Identity, ModelError, StateError, StateReader, StateWriter, StepEnd, Token,
-    VariableTable,
+    CoSimulationModel, Identity, ModelError, Notice, StateError, StateReader, StateWriter, StepEnd,
+    Token, VariableTable,
 };
 use crate::parameter;
 use crate::plant::Rig;
-use std::fmt;
 use std::mem;
 use std::sync::Arc;
 
@@ -313,7 +312,7 @@ impl CoSimulationModel for RigExchange {
         Err(Self::only_for_co_simulation("a step"))
     }
 
-    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn fmt::Display)) {
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn Notice)) {
         if let Some(run) = &mut self.run {
             mem::take(&mut run.notices)
                 .iter()
