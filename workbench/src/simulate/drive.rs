@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use stickslip::plant::RigInputs;
 use thiserror::Error;
 
 use crate::component::{self, Component, ComponentError, Kind, Role};
@@ -181,6 +182,17 @@ impl Drive {
     /// Time of a sample [s].
     pub(super) fn time(&self, sample: usize) -> f64 {
         self.times[sample]
+    }
+
+    /// A sample as the inputs of a rig, held.
+    pub(super) fn rig_inputs(&self, component: &dyn Component, sample: usize) -> RigInputs<f64> {
+        let named = |name: &str| {
+            self.values(sample)
+                .into_iter()
+                .find(|(position, _)| component.variables()[*position].name == name)
+                .map_or(0.0, |(_, value)| value)
+        };
+        RigInputs::held(named("u"), named("N2"), named("N1"))
     }
 
     /// Positions and values of a sample.

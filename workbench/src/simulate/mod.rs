@@ -1,15 +1,17 @@
 //! `stickslip simulate`: one run of a model or an FMU, as CSV, pictures and a summary of one screen.
 
 mod arguments;
+mod derivatives;
 mod drive;
 mod picture;
 mod run;
 mod summary;
 
 pub use arguments::{Setting, SimulateArguments, apply_settings};
+pub use derivatives::{DerivativeError, Derivatives, derivatives, state_names};
 pub use drive::{Drive, DriveError};
 pub use picture::picture;
-pub use run::{Schedule, simulate};
+pub use run::{Schedule, simulate, simulate_variables, usual_variables};
 pub use summary::Summary;
 
 use std::time::Instant;

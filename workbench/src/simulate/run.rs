@@ -8,7 +8,7 @@ use crate::files::record::Record;
 use super::drive::Drive;
 
 /// Times nearer than this [s] are the same.
-const SAME_TIME: f64 = 1e-9;
+pub(super) const SAME_TIME: f64 = 1e-9;
 
 /// The times at which the result has rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +48,13 @@ impl Schedule {
         })
     }
 
-    fn time(&self, row: usize) -> f64 {
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    pub(super) fn time(&self, row: usize) -> f64 {
         self.start + row as f64 * self.step
     }
 
@@ -57,18 +63,10 @@ impl Schedule {
     }
 }
 
-/// Runs the component and returns inputs, outputs and what sticks, over time.
-///
-/// A row holds the inputs in force from its time on, so that values that follow an input at once fit it.
-///
-/// # Errors
-/// Whatever the component refuses.
-pub fn simulate(
-    component: &mut dyn Component,
-    drive: &Drive,
-    schedule: &Schedule,
-) -> anyhow::Result<Record> {
-    let shown: Vec<usize> = [Role::Input, Role::Output, Role::Local]
+/// Positions of what a result has if nothing else is asked for: inputs, outputs and what sticks.
+#[must_use]
+pub fn usual_variables(component: &dyn Component) -> Vec<usize> {
+    [Role::Input, Role::Output, Role::Local]
         .into_iter()
         .flat_map(|role| {
             let variables = component.variables().iter().enumerate();
@@ -76,7 +74,36 @@ pub fn simulate(
                 .filter(move |(_, variable)| variable.role == role && variable.kind != Kind::Other)
                 .map(|(at, _)| at)
         })
-        .collect();
+        .collect()
+}
+
+/// Runs the component and returns inputs, outputs and what sticks, over time.
+///
+/// # Errors
+/// As for [`simulate_variables`].
+pub fn simulate(
+    component: &mut dyn Component,
+    drive: &Drive,
+    schedule: &Schedule,
+) -> anyhow::Result<Record> {
+    let shown = usual_variables(component);
+    simulate_variables(component, drive, schedule, &shown, &mut |_| true)
+}
+
+/// Runs the component and returns the variables at the positions `shown` over time. `go_on` hears after each row how many
+/// there are; where it says no the run ends with the rows there are.
+///
+/// A row holds the inputs in force from its time on, so that values that follow an input at once fit it.
+///
+/// # Errors
+/// Whatever the component refuses.
+pub fn simulate_variables(
+    component: &mut dyn Component,
+    drive: &Drive,
+    schedule: &Schedule,
+    shown: &[usize],
+    go_on: &mut dyn FnMut(usize) -> bool,
+) -> anyhow::Result<Record> {
     let names: Vec<String> = shown
         .iter()
         .map(|&at| component.variables()[at].name.clone())
@@ -87,6 +114,7 @@ pub fn simulate(
     component.initialise(schedule.start, schedule.stop())?;
     let mut time = schedule.start;
     let mut sample = 0;
+    let mut rows = 0;
     for row in 0..schedule.rows {
         let target = schedule.time(row);
         while sample + 1 < drive.len() && drive.time(sample + 1) <= target + SAME_TIME {
@@ -100,15 +128,19 @@ pub fn simulate(
             component.set(&drive.values(sample))?;
         }
         advance(component, &mut time, target)?;
-        component.get(&shown, &mut values)?;
+        component.get(shown, &mut values)?;
         columns
             .iter_mut()
             .zip(&values)
             .for_each(|(column, value)| column.push(*value));
+        rows += 1;
+        if !go_on(rows) {
+            break;
+        }
     }
     let mut record = Record::new(
         component.title(),
-        (0..schedule.rows).map(|row| schedule.time(row)).collect(),
+        (0..rows).map(|row| schedule.time(row)).collect(),
     )?;
     for (name, column) in names.into_iter().zip(columns) {
         record.add_column(name, column)?;
