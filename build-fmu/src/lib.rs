@@ -9,6 +9,7 @@ pub mod binary_check;
 pub mod binary_error;
 pub mod binary_header;
 pub mod build;
+pub mod cli;
 pub mod contents;
 pub mod documentation;
 pub mod explain;

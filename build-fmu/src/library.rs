@@ -1,9 +1,10 @@
-//! Finds the prebuilt libraries: as named, or beside the running program.
+//! Finds the prebuilt libraries: as named, or beside the running program, or where its host says.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use thiserror::Error;
 
@@ -98,6 +99,15 @@ fn remedy(platform: Platform) -> String {
              --library"
         ),
     }
+}
+
+/// Where the libraries lie if the running program is not what they lie beside.
+static HOME: OnceLock<PathBuf> = OnceLock::new();
+
+/// Looks for libraries in `folder` instead of beside the running program, for the rest of the process: for programs, such as
+/// an interpreter, that load this crate from elsewhere. The first call counts.
+pub fn look_in(folder: PathBuf) {
+    HOME.get_or_init(|| folder);
 }
 
 /// Reads the library at `named`, or else the one for this machine beside the running program.
@@ -204,6 +214,9 @@ fn read(path: &Path) -> Result<Library, LibraryError> {
 }
 
 fn beside_program() -> Vec<PathBuf> {
+    if let Some(folder) = HOME.get() {
+        return vec![folder.clone()];
+    }
     let Some(folder) = std::env::current_exe()
         .ok()
         .and_then(|program| program.parent().map(Path::to_owned))
