@@ -9,6 +9,7 @@ mod result;
 mod settings;
 mod span;
 mod watch;
+mod work;
 
 pub use arguments::MapArguments;
 pub use grid::{Finished, run_rows};
@@ -17,6 +18,7 @@ pub use point::{MOST_EXTREMA, Point, run_point};
 pub use settings::{Quantity, Settings, SettingsError, Varied};
 pub use span::Span;
 pub use watch::Watch;
+pub use work::Work;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -36,43 +38,28 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Whatever is wrong with the arguments or the model.
 pub fn command(arguments: &MapArguments) -> anyhow::Result<Outcome> {
     let settings = arguments.settings()?;
-    let (journal, kept) = Journal::open(
-        &arguments.out.join("map.journal"),
-        &settings.identity(),
-        (settings.rows(), settings.columns()),
-    )?;
+    let work = Work::open(&settings, &arguments.out)?;
+    let (rows_kept, journal) = (work.kept().len(), work.journal());
     ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed))
         .context("interrupts cannot be caught")?;
     let bar = ProgressBar::new(settings.points() as u64)
-        .with_position((kept.len() * settings.columns()) as u64);
+        .with_position((rows_kept * settings.columns()) as u64);
     if let Ok(style) =
         ProgressStyle::with_template("{wide_bar} {pos}/{len} runs, {per_sec}, {eta} left")
     {
         bar.set_style(style);
     }
-    let rows_kept = kept.len();
     let begun = Instant::now();
-    let finished = run_rows(
-        (settings.rows(), settings.columns()),
-        &|row, column| settings.run(row, column),
-        kept,
-        &journal,
-        &INTERRUPTED,
-        arguments.threads,
-        &|| bar.inc(1),
-    )?;
+    let finished = work.run(&INTERRUPTED, arguments.threads, &|| bar.inc(1))?;
     let wall_time = begun.elapsed().as_secs_f64();
     bar.finish_and_clear();
     let Finished::Complete(rows) = finished else {
         eprintln!(
             "interrupted; the finished rows are kept in {}: the same command goes on from there",
-            journal.path().display()
+            journal.display()
         );
         return Ok(Outcome::Interrupted);
     };
-    result::write(&settings, &rows, &arguments.out)?;
-    picture::picture(&settings, &rows)?.write(&arguments.out.join("map"))?;
-    journal.remove()?;
     let runs = settings.points() - rows_kept * settings.columns();
     println!(
         "{runs} runs of {} s in {wall_time:.2} s, {rows_kept} rows kept from before",
