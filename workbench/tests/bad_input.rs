@@ -15,9 +15,10 @@ use std::time::Instant;
 
 use inference::record::RawRecord;
 use simulated::{Inputs, model, other_steps, record, steps};
-use workbench::diagnose::case::{Case, CaseArguments};
+use workbench::diagnose::case::Case;
 use workbench::diagnose::catalogue::CATALOGUE;
 use workbench::diagnose::finding::VerdictName;
+use workbench::diagnose::material::CaseArguments;
 use workbench::diagnose::naming::name;
 
 /// Hidden in the records: torque [N m] of an unbalance.

@@ -9,6 +9,7 @@
 
 mod common;
 
+use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -16,15 +17,18 @@ use inference::search::fit_effects;
 use inference::window::Begin;
 use workbench::component::Native;
 use workbench::diagnose::amend::{self, amended_model};
-use workbench::diagnose::case::{Case, CaseArguments};
+use workbench::diagnose::case::Case;
 use workbench::diagnose::finding::{Finding, VerdictName};
 use workbench::diagnose::finding::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
+use workbench::diagnose::material::CaseArguments;
 use workbench::diagnose::naming::{forced_finding, name};
+use workbench::diagnose::record_part::Part;
 use workbench::diagnose::report::Report;
 use workbench::diagnose::residual_torque::residual_torques;
 use workbench::diagnose::restart::course;
 use workbench::diagnose::restart::{best_starts, window_courses};
 use workbench::diagnose::show::{Comparison, Shown};
+use workbench::files::record::Record;
 
 use common::stickslip;
 
@@ -142,6 +146,54 @@ fn unknown_effects_are_answered_with_the_known_ones() {
         message.contains("unbalence") && message.contains("normal_force_wobble"),
         "{message}"
     );
+}
+
+/// The same table in degrees, for its angles.
+fn in_degrees(record: &Record) -> Record {
+    let mut table = Record::new("table", record.time().to_vec()).unwrap();
+    for name in record.names() {
+        let factor = if matches!(name, "theta" | "theta3") {
+            360.0 / TAU
+        } else {
+            1.0
+        };
+        let values = record.column(name).unwrap();
+        let values = values.iter().map(|value| value * factor).collect();
+        table.add_column(name, values).unwrap();
+    }
+    table
+}
+
+#[test]
+fn tables_in_memory_read_like_the_files() {
+    let mut material = arguments(&case_directory()).material().unwrap();
+    let from_files = material.load().unwrap();
+    let tables: Vec<Record> = material
+        .records
+        .iter()
+        .map(|part| Record::read(&part.path).unwrap())
+        .collect();
+    material.records = tables.iter().cloned().map(Part::of_table).collect();
+    let from_tables = material.load().unwrap();
+    assert_eq!(format!("{from_tables:?}"), format!("{from_files:?}"));
+
+    material.records = tables.iter().map(in_degrees).map(Part::of_table).collect();
+    let held_out = Record::read(&material.held_out.unwrap().path).unwrap();
+    material.held_out = Some(Part::of_table(in_degrees(&held_out)));
+    material
+        .model_text
+        .push_str("[columns]\ntheta = { column = \"theta\", unit = \"deg\" }\ntheta3 = { column = \"theta3\", unit = \"deg\" }\n");
+    let converted = material.load().unwrap();
+    assert!(
+        converted
+            .notes
+            .iter()
+            .any(|note| note.contains("from deg to rad"))
+    );
+    let angles = |case: &Case| case.records[0].readings[0].clone();
+    for (converted, original) in angles(&converted).iter().zip(angles(&from_files)) {
+        assert!((converted - original).abs() <= 1e-14 * original.abs());
+    }
 }
 
 #[test]

@@ -1,9 +1,7 @@
 //! A case: the analyst's model, the records to learn from, the record to judge on, and the sensors.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use clap::Args;
 use inference::data::Data;
 use inference::instruments::{contradictions, estimate, load_noise};
 use inference::problem::Problem;
@@ -17,43 +15,17 @@ use thiserror::Error;
 use super::catalogue::CATALOGUE;
 use super::input_check::{note_on_inputs, same};
 use super::load_cell::denoise;
+use super::material::Material;
 use super::record_check::{COLUMNS, Checked, INPUTS, RecordProblem, check, natural_period};
-use super::record_part::{Part, PartError};
+use super::record_part::PartError;
 use super::rig_columns::{ColumnsError, RigColumns, about};
 use super::sensors::{SensorError, Sensors, described, in_the_middle};
 use super::uncertainty::{UncertaintyError, uncertainties};
 use crate::component::closest;
 use crate::files::record::Record;
 
-/// Names of a case's files in its directory.
-pub const MODEL_FILE: &str = "model.toml";
-const HELD_OUT_FILE: &str = "held-out.csv";
-const SENSORS_FILE: &str = "sensors.toml";
 /// Least length of all records to learn from together, in natural periods of the disc on its shaft.
 const SHORTEST: f64 = 3.0;
-
-/// Where a case's files are.
-#[derive(Debug, Clone, Default, Args)]
-pub struct CaseArguments {
-    /// Directory with model.toml, run-*.csv and, if need be, held-out.csv and sensors.toml.
-    #[arg(conflicts_with_all = ["model", "records", "held_out"], required_unless_present = "model")]
-    pub case: Option<PathBuf>,
-    /// The model that the analyst believes.
-    #[arg(long, value_name = "FILE", requires = "records")]
-    pub model: Option<PathBuf>,
-    /// Records to learn from, whole or from one time to another: FILE@FROM:TO, in seconds.
-    #[arg(long, value_name = "FILE", num_args = 1..)]
-    pub records: Vec<PathBuf>,
-    /// Record to judge on; never fitted to. Without it the last record is held out, or the last quarter of a single one.
-    #[arg(long, value_name = "FILE")]
-    pub held_out: Option<PathBuf>,
-    /// Steps and noise of the instruments; without it they are estimated from the records.
-    #[arg(long, value_name = "FILE")]
-    pub sensors: Option<PathBuf>,
-    /// Leave this effect out of the catalogue; may be given several times.
-    #[arg(long, value_name = "NAME")]
-    pub without: Vec<String>,
-}
 
 /// A case, read and checked.
 #[derive(Debug, Clone)]
@@ -155,8 +127,8 @@ pub enum CaseError {
     },
 }
 
-impl CaseArguments {
-    /// Reads and checks the case.
+impl Material {
+    /// Reads the records and checks the case.
     ///
     /// # Errors
     /// [`CaseError`], naming the file and what would be right.
@@ -165,11 +137,11 @@ impl CaseArguments {
         for name in &self.without {
             check_effect(name)?;
         }
-        let (model_path, mut parts, mut held_out_part) = self.paths()?;
-        let model_name = model_path.display().to_string();
-        let (columns, model_text) = RigColumns::split_off(&read(&model_path)?, &model_name)?;
-        let model = ModelFile::parse(&model_text, &model_name)?;
-        let (uncertainties, assumed) = uncertainties(&model, &model_name)?;
+        let (mut parts, mut held_out_part) = (self.records.clone(), self.held_out.clone());
+        let model_name = &self.model_name;
+        let (columns, model_text) = RigColumns::split_off(&self.model_text, model_name)?;
+        let model = ModelFile::parse(&model_text, model_name)?;
+        let (uncertainties, assumed) = uncertainties(&model, model_name)?;
         let mut notes: Vec<String> = assumed.into_iter().collect();
         let mut said = Vec::new();
         let mut read_records = Vec::new();
@@ -275,12 +247,8 @@ impl CaseArguments {
             record.normal_force_1 = denoise(&record.normal_force_1, noise_1);
         }
         notes.extend(note_on_inputs(&runs));
-        let name = match &self.case {
-            Some(directory) => file_name(directory),
-            None => file_name(&model_path),
-        };
         Ok(Case {
-            name,
+            name: self.name.clone(),
             model,
             model_text,
             uncertainties,
@@ -292,57 +260,12 @@ impl CaseArguments {
         })
     }
 
-    /// The model file, the records to learn from, and the one to judge on where it is given.
-    fn paths(&self) -> Result<(PathBuf, Vec<Part>, Option<Part>), CaseError> {
-        match (&self.case, &self.model) {
-            (None, Some(model)) => {
-                let records: Result<Vec<Part>, PartError> =
-                    self.records.iter().map(|path| Part::parse(path)).collect();
-                let held_out = self.held_out.as_deref().map(Part::parse).transpose()?;
-                Ok((model.clone(), records?, held_out))
-            }
-            (case, _) => {
-                let directory = case.clone().unwrap_or_default();
-                let entries = fs::read_dir(&directory).map_err(|source| CaseError::Read {
-                    path: directory.clone(),
-                    source,
-                })?;
-                let mut records: Vec<PathBuf> = entries
-                    .flatten()
-                    .map(|entry| entry.path())
-                    .filter(|path| {
-                        let name = file_name(path);
-                        name.starts_with("run-") && name.ends_with(".csv")
-                    })
-                    .collect();
-                records.sort();
-                if records.is_empty() {
-                    return Err(CaseError::NoRecords { path: directory });
-                }
-                let held_out = directory.join(HELD_OUT_FILE);
-                Ok((
-                    directory.join(MODEL_FILE),
-                    records.into_iter().map(Part::whole).collect(),
-                    held_out.is_file().then(|| Part::whole(held_out)),
-                ))
-            }
-        }
-    }
-
     /// What the sensor file states, with its name; `None` where there is none.
-    fn sensors(&self) -> Result<Option<(Sensors, String)>, CaseError> {
-        let beside = self
-            .case
+    fn sensors(&self) -> Result<Option<(Sensors, &str)>, SensorError> {
+        self.sensors
             .as_ref()
-            .map(|directory| directory.join(SENSORS_FILE))
-            .filter(|path| path.is_file());
-        match self.sensors.clone().or(beside) {
-            Some(path) => {
-                let file = path.display().to_string();
-                Ok(Some((Sensors::parse(&read(&path)?, &file)?, file)))
-            }
-            None => Ok(None),
-        }
+            .map(|(file, text)| Ok((Sensors::parse(text, file)?, file.as_str())))
+            .transpose()
     }
 }
 
@@ -436,21 +359,6 @@ pub(super) fn prepare_threads() {
     let _ = rayon::ThreadPoolBuilder::new()
         .stack_size(STACK)
         .build_global();
-}
-
-fn read(path: &Path) -> Result<String, CaseError> {
-    fs::read_to_string(path).map_err(|source| CaseError::Read {
-        path: path.to_owned(),
-        source,
-    })
-}
-
-fn file_name(path: &Path) -> String {
-    let full = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    full.file_name().map_or_else(
-        || path.display().to_string(),
-        |name| name.to_string_lossy().into_owned(),
-    )
 }
 
 /// A record but for its last quarter, that quarter, and what is said about it.

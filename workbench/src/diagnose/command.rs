@@ -9,11 +9,12 @@ use inference::marginal::Disturbance;
 use stickslip::plant::ModelFile;
 
 use super::amend;
-use super::case::{Case, CaseArguments, check_effect};
+use super::case::{Case, check_effect};
 use super::console::screen;
 use super::finding::{self, Finding, VerdictName};
+use super::material::{CaseArguments, Material};
 use super::naming::{self, forced_finding, located_finding};
-use super::progress::{Interruptible, Progress};
+use super::progress::{Finished, Interruptible, Progress};
 use super::report::{self, Report};
 use super::residual_torque::residual_torques;
 use super::show::{Comparison, compare};
@@ -54,24 +55,27 @@ struct Session {
 }
 
 impl Session {
-    /// Reads the case.
-    fn begin(arguments: &DiagnoseArguments) -> anyhow::Result<Self> {
-        if arguments.out.exists() && !arguments.out.is_dir() {
-            anyhow::bail!(
-                "--out {}: is a file; the findings need a directory",
-                arguments.out.display()
-            );
-        }
-        let case = arguments.case.load()?;
+    /// Reads the case, for a person at a screen.
+    fn begin(material: &Material, out: &Path) -> anyhow::Result<Self> {
+        check_out(out)?;
+        let case = material.load()?;
         for note in &case.notes {
             eprintln!("note: {note}");
         }
         Ok(Self {
             progress: Progress::new(),
-            interruptible: Interruptible::new(&arguments.out)?,
+            interruptible: Interruptible::new(out)?,
             case,
-            out: arguments.out.clone(),
+            out: out.to_owned(),
         })
+    }
+
+    /// Names, amends and shows.
+    fn all_stages(&self, library: &Library) -> anyhow::Result<(Finding, Comparison)> {
+        let mut finding = self.name()?;
+        let text = self.amend(&finding, library)?;
+        let comparison = self.show(&mut finding, &text, library)?;
+        Ok((finding, comparison))
     }
 
     /// Writes a finding with the experiment it proposes, and takes away what later stages made of an earlier finding.
@@ -117,7 +121,7 @@ impl Session {
         finding: &mut Finding,
         text: &str,
         library: &Library,
-    ) -> anyhow::Result<Outcome> {
+    ) -> anyhow::Result<Comparison> {
         let (case, progress) = (&self.case, &self.progress);
         progress.say("held-out record, through the FMUs");
         let comparison = compared(case, finding, text, library)?;
@@ -144,7 +148,7 @@ impl Session {
                 page.as_bytes(),
             )?)
         })?;
-        Ok(open_or_done(finding.is_settled()))
+        Ok(comparison)
     }
 
     /// The answer on the screen.
@@ -175,21 +179,77 @@ fn remove(path: &Path) -> anyhow::Result<()> {
     }
 }
 
+fn check_out(out: &Path) -> anyhow::Result<()> {
+    if out.exists() && !out.is_dir() {
+        anyhow::bail!(
+            "--out {}: is a file; the findings need a directory",
+            out.display()
+        );
+    }
+    Ok(())
+}
+
+/// What a diagnosis comes to, beside the files that it wrote.
+pub struct Diagnosed {
+    /// The exit code of the command line.
+    pub outcome: Outcome,
+    /// What the command line shows.
+    pub screen: String,
+    /// Both models on the held-out record; absent for small plants.
+    pub shown: Option<Comparison>,
+}
+
+/// All stages in turn for a program: `tell` hears of every step and may unwind out of it, and `finished` has what is in
+/// `out` by then. Nothing is printed and no interrupt is caught.
+///
+/// # Errors
+/// Whatever is wrong with the input.
+pub fn diagnose_for(
+    material: &Material,
+    out: &Path,
+    library: Option<&Path>,
+    tell: Box<dyn Fn(&str)>,
+    finished: Finished,
+) -> anyhow::Result<Diagnosed> {
+    check_out(out)?;
+    if material.is_of_small_plant() {
+        let (outcome, screen) =
+            small_plant::run(material, Stage::All, out, &mut |what| tell(what))?;
+        return Ok(Diagnosed {
+            outcome,
+            screen,
+            shown: None,
+        });
+    }
+    let library = library::find(library)?;
+    let session = Session {
+        case: material.load()?,
+        progress: Progress::told(tell),
+        interruptible: Interruptible::by_caller(finished),
+        out: out.to_owned(),
+    };
+    let (finding, comparison) = session.all_stages(&library)?;
+    Ok(Diagnosed {
+        outcome: open_or_done(finding.is_settled()),
+        screen: screen(&session.case.name, &finding),
+        shown: Some(comparison),
+    })
+}
+
 /// All stages in turn.
 ///
 /// # Errors
 /// Whatever is wrong with the input; the exit code is then 2.
 pub fn diagnose(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    if small_plant::concerns(&arguments.case) {
-        return small(arguments, Stage::All);
+    let material = arguments.case.material()?;
+    if material.is_of_small_plant() {
+        return small(&material, Stage::All, &arguments.out);
     }
     let library = library::find(arguments.library.as_deref())?;
-    let session = Session::begin(arguments)?;
-    let mut finding = session.name()?;
-    let text = session.amend(&finding, &library)?;
-    let outcome = session.show(&mut finding, &text, &library)?;
+    let session = Session::begin(&material, &arguments.out)?;
+    let (finding, _) = session.all_stages(&library)?;
     session.answer_with_files(&finding);
-    Ok(outcome)
+    Ok(open_or_done(finding.is_settled()))
 }
 
 /// Where the model and the records disagree; no candidate is tried.
@@ -197,10 +257,11 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`].
 pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    if small_plant::concerns(&arguments.case) {
-        return small(arguments, Stage::Locate);
+    let material = arguments.case.material()?;
+    if material.is_of_small_plant() {
+        return small(&material, Stage::Locate, &arguments.out);
     }
-    let session = Session::begin(arguments)?;
+    let session = Session::begin(&material, &arguments.out)?;
     let mut finding = located_finding(&session.case, &mut |what| session.progress.say(what))?;
     session.found(&mut finding, None)?;
     session.answer(&finding);
@@ -212,10 +273,11 @@ pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`].
 pub fn name(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    if small_plant::concerns(&arguments.case) {
-        return small(arguments, Stage::Name);
+    let material = arguments.case.material()?;
+    if material.is_of_small_plant() {
+        return small(&material, Stage::Name, &arguments.out);
     }
-    let session = Session::begin(arguments)?;
+    let session = Session::begin(&material, &arguments.out)?;
     let finding = session.name()?;
     session.answer(&finding);
     Ok(open_or_done(finding.verdict != VerdictName::NotInCatalogue))
@@ -227,14 +289,15 @@ pub fn name(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// As for [`diagnose`]; also where there is neither a finding nor an effect.
 pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
     let common = &arguments.common;
-    if small_plant::concerns(&common.case) {
-        return small(common, Stage::Amend(&arguments.effect));
+    let material = common.case.material()?;
+    if material.is_of_small_plant() {
+        return small(&material, Stage::Amend(&arguments.effect), &common.out);
     }
     for name in &arguments.effect {
         check_effect(name).context("--effect")?;
     }
     let library = library::find(common.library.as_deref())?;
-    let session = Session::begin(common)?;
+    let session = Session::begin(&material, &common.out)?;
     let finding = if arguments.effect.is_empty() {
         Finding::read(&common.out)?
     } else {
@@ -257,11 +320,12 @@ pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`]; also where there is no finding or no amended model.
 pub fn show(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    if small_plant::concerns(&arguments.case) {
-        return small(arguments, Stage::Show);
+    let material = arguments.case.material()?;
+    if material.is_of_small_plant() {
+        return small(&material, Stage::Show, &arguments.out);
     }
     let library = library::find(arguments.library.as_deref())?;
-    let session = Session::begin(arguments)?;
+    let session = Session::begin(&material, &arguments.out)?;
     let mut finding = Finding::read(&arguments.out)?;
     let path = arguments.out.join(amend::FILE);
     let text = std::fs::read_to_string(&path).with_context(|| {
@@ -270,17 +334,15 @@ pub fn show(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
             path.display()
         )
     })?;
-    let outcome = session.show(&mut finding, &text, &library)?;
+    session.show(&mut finding, &text, &library)?;
     session.answer_with_files(&finding);
-    Ok(outcome)
+    Ok(open_or_done(finding.is_settled()))
 }
 
 /// A stage, or all, on a small plant.
-fn small(arguments: &DiagnoseArguments, stage: Stage<'_>) -> anyhow::Result<Outcome> {
+fn small(material: &Material, stage: Stage<'_>, out: &Path) -> anyhow::Result<Outcome> {
     let progress = Progress::new();
-    let (outcome, text) = small_plant::run(&arguments.case, stage, &arguments.out, &mut |what| {
-        progress.say(what)
-    })?;
+    let (outcome, text) = small_plant::run(material, stage, out, &mut |what| progress.say(what))?;
     progress.done();
     print!("{text}");
     Ok(outcome)

@@ -15,6 +15,7 @@ pub mod former;
 mod input_check;
 pub mod load_cell;
 pub mod located;
+pub mod material;
 pub mod naming;
 pub mod progress;
 pub mod record_check;

@@ -1,16 +1,21 @@
-//! Files to learn from or to judge on, whole or in part.
+//! Records to learn from or to judge on: files, whole or in part, and tables in memory.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use thiserror::Error;
 
-/// A file with the part of it that is meant.
+use crate::files::record::Record;
+
+/// A file with the part of it that is meant, or a table in memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// The file.
+    /// The file, or what messages call the table.
     pub path: PathBuf,
     /// From and to [s], in the file's own time; `None` for all of it.
     pub span: Option<(f64, f64)>,
+    /// The table, read instead of the file, with the columns' own names and units.
+    pub table: Option<Arc<Record>>,
 }
 
 /// What stands after the @ is no span of time.
@@ -25,7 +30,21 @@ impl Part {
     /// All of a file.
     #[must_use]
     pub fn whole(path: PathBuf) -> Self {
-        Self { path, span: None }
+        Self {
+            path,
+            span: None,
+            table: None,
+        }
+    }
+
+    /// All of a table that messages call by its source.
+    #[must_use]
+    pub fn of_table(table: Record) -> Self {
+        Self {
+            path: PathBuf::from(table.source()),
+            span: None,
+            table: Some(Arc::new(table)),
+        }
     }
 
     /// `FILE` or `FILE@FROM:TO` with times in seconds.
@@ -44,6 +63,7 @@ impl Part {
             Some((from, to)) if from < to => Ok(Self {
                 path: PathBuf::from(file),
                 span: Some((from, to)),
+                table: None,
             }),
             _ => Err(PartError {
                 text: text.to_string(),

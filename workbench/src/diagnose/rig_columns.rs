@@ -198,11 +198,9 @@ struct Found {
 }
 
 impl RigColumns {
-    /// Takes the table `[columns]` out of a model file's text: what is left describes the rig alone.
-    ///
-    /// # Errors
-    /// [`ColumnsError`] where it names what no record has, or no unit.
-    pub fn split_off(text: &str, file: &str) -> Result<(Self, String), ColumnsError> {
+    /// The text of the table `[columns]` in a model file's text, and what is left.
+    #[must_use]
+    pub fn split(text: &str) -> (String, String) {
         let mut is_own = false;
         let (mut own, mut rest) = (String::new(), String::new());
         for line in text.split_inclusive('\n') {
@@ -212,6 +210,15 @@ impl RigColumns {
             }
             if is_own { &mut own } else { &mut rest }.push_str(line);
         }
+        (own, rest)
+    }
+
+    /// Takes the table `[columns]` out of a model file's text: what is left describes the rig alone.
+    ///
+    /// # Errors
+    /// [`ColumnsError`] where it names what no record has, or no unit.
+    pub fn split_off(text: &str, file: &str) -> Result<(Self, String), ColumnsError> {
+        let (own, rest) = Self::split(text);
         let table = |problem: String| ColumnsError::Table {
             file: file.to_owned(),
             problem,
@@ -265,6 +272,9 @@ impl RigColumns {
     /// # Errors
     /// [`ColumnsError`], naming the file, the column and what would be right.
     pub fn read(&self, part: &Part) -> Result<(Record, String), ColumnsError> {
+        if let Some(table) = &part.table {
+            return self.of_table(table);
+        }
         let path = part.path.display().to_string();
         let file = match part.span {
             Some((from, to)) => format!("{path}@{from}:{to}"),
@@ -302,6 +312,25 @@ impl RigColumns {
         Ok((record, said.join(", ")))
     }
 
+    /// A table in memory with the rig's names, in SI units.
+    fn of_table(&self, table: &Record) -> Result<(Record, String), ColumnsError> {
+        let file = table.source();
+        // A table's time stands apart from its columns, and has the name that is asked for.
+        let time = self.given.get(TIME).map_or(TIME, |given| &given.column);
+        let header: Vec<&str> = std::iter::once(time).chain(table.names()).collect();
+        let found = self.found_all(&header, file)?;
+        let mut record = Record::new(file, table.time().to_vec())?;
+        for (own, column) in header.iter().zip(&found).skip(1) {
+            record.add_column(&column.name, table.require(own)?.to_vec())?;
+        }
+        let mut said = Vec::new();
+        for column in found {
+            record.convert(&column.name, column.factor);
+            said.extend(column.said);
+        }
+        Ok((record, said.join(", ")))
+    }
+
     /// The table with the rig's names in its header, time first.
     fn renamed(&self, text: &str, file: &str) -> Result<(Vec<Found>, String), ColumnsError> {
         let header_line = text.lines().find(|line| !line.trim().is_empty());
@@ -310,20 +339,7 @@ impl RigColumns {
             .split(',')
             .map(|field| field.trim().trim_matches('"').trim())
             .collect();
-        for (variable, column) in &self.given {
-            if !header.contains(&column.column.as_str()) {
-                return Err(ColumnsError::Missing {
-                    file: file.to_owned(),
-                    column: column.column.clone(),
-                    variable: variable.clone(),
-                    known: header.join(", "),
-                });
-            }
-        }
-        let found: Vec<Found> = header
-            .iter()
-            .map(|field| self.found(field, file))
-            .collect::<Result<_, _>>()?;
+        let found = self.found_all(&header, file)?;
         let time = found.iter().position(|column| column.name == TIME);
         let mut is_header = true;
         let mut lines = Vec::new();
@@ -345,6 +361,21 @@ impl RigColumns {
             lines.push(fields.join(","));
         }
         Ok((found, lines.join("\n")))
+    }
+
+    /// What the columns of this header are; all that the model file names must be there.
+    fn found_all(&self, header: &[&str], file: &str) -> Result<Vec<Found>, ColumnsError> {
+        for (variable, column) in &self.given {
+            if !header.contains(&column.column.as_str()) {
+                return Err(ColumnsError::Missing {
+                    file: file.to_owned(),
+                    column: column.column.clone(),
+                    variable: variable.clone(),
+                    known: header.join(", "),
+                });
+            }
+        }
+        header.iter().map(|field| self.found(field, file)).collect()
     }
 
     /// What the column of this header is.

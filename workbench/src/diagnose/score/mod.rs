@@ -22,9 +22,9 @@ use self::answer::Answer;
 use self::judge::{Judgement, judge};
 use self::table::{Line, confusion, lines, to_markdown};
 use super::amend;
-use super::case::CaseArguments;
 use super::command::compared;
 use super::finding::{FILE, Finding};
+use super::material::CaseArguments;
 use super::naming;
 use crate::cli::Outcome;
 use crate::files::atomic;
@@ -68,22 +68,100 @@ struct Score {
 /// # Errors
 /// There are no answers, or results cannot be written.
 pub fn command(arguments: &ScoreArguments) -> anyhow::Result<Outcome> {
-    let answers = Answer::read_all(&arguments.cases)?;
-    let library = library::find(arguments.library.as_deref())?;
+    let bar = ProgressBar::new(0);
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg} {eta}") {
+        bar.set_style(style);
+    }
+    let scored = score(
+        &Scoring {
+            cases: &arguments.cases,
+            out: &arguments.out,
+            leave_one_out: arguments.leave_one_out,
+            jobs: arguments.jobs,
+            library: arguments.library.as_deref(),
+        },
+        &|step| match step {
+            Step::Begun { cases } => bar.set_length(cases as u64),
+            Step::Case(name) => bar.set_message(name.to_owned()),
+            Step::Within(_) => {}
+            Step::Done => bar.inc(1),
+        },
+    )?;
+    bar.finish_and_clear();
+    print!("{}", scored.markdown);
+    Ok(if scored.is_passed {
+        Outcome::Done
+    } else {
+        Outcome::CheckFailed
+    })
+}
+
+/// What is to be scored and how.
+#[derive(Debug, Clone, Copy)]
+pub struct Scoring<'a> {
+    /// Directory with `ANSWERS.json` and one directory per case.
+    pub cases: &'a Path,
+    /// Directory for findings, `score.json` and `score.md`; findings that are there already are not made again.
+    pub out: &'a Path,
+    /// Whether each case is diagnosed once more with the right effects taken out of the catalogue.
+    pub leave_one_out: bool,
+    /// Cases diagnosed at a time.
+    pub jobs: usize,
+    /// The library to pack into the FMUs; without it the one beside the program.
+    pub library: Option<&'a Path>,
+}
+
+/// What is going on; told from any thread that diagnoses.
+#[derive(Debug, Clone, Copy)]
+pub enum Step<'a> {
+    /// So many diagnoses are to be made.
+    Begun {
+        /// How many.
+        cases: usize,
+    },
+    /// A case is begun.
+    Case(&'a str),
+    /// What is being done within a case.
+    Within(&'a str),
+    /// A case is done.
+    Done,
+}
+
+/// How well the findings fit the answers.
+#[derive(Debug, Clone)]
+pub struct Scored {
+    /// A line for each group of cases.
+    pub table: Vec<Line>,
+    /// Cases that could not be diagnosed, with the reason.
+    pub failed: Vec<String>,
+    /// The whole as `score.md` has it.
+    pub markdown: String,
+    /// Whether every bar is reached and every case was diagnosed.
+    pub is_passed: bool,
+}
+
+/// Diagnoses the cases and judges the findings; `tell` may unwind out of it, and findings that are finished are kept.
+///
+/// # Errors
+/// There are no answers, or results cannot be written.
+pub fn score(scoring: &Scoring<'_>, tell: &(dyn Fn(Step<'_>) + Sync)) -> anyhow::Result<Scored> {
+    let answers = Answer::read_all(scoring.cases)?;
+    let library = library::find(scoring.library)?;
     let mut tasks = Vec::new();
     for (case, answer) in &answers {
-        tasks.push(task(case, answer, Vec::new(), arguments.out.join(case)));
+        tasks.push(task(case, answer, Vec::new(), scoring.out.join(case)));
         let names: Vec<String> = answer.names().into_iter().map(str::to_owned).collect();
-        if arguments.leave_one_out && names.len() == 1 {
+        if scoring.leave_one_out && names.len() == 1 {
             tasks.push(task(
                 case,
                 answer,
                 names,
-                arguments.out.join("leave-one-out").join(case),
+                scoring.out.join("leave-one-out").join(case),
             ));
         }
     }
-    let results = run_all(&tasks, arguments, &library);
+    tell(Step::Begun { cases: tasks.len() });
+    let results = run_all(&tasks, scoring, &library, tell);
     let (mut judged, mut without, mut failed) = (Vec::new(), Vec::new(), Vec::new());
     for (task, result) in tasks.iter().zip(results) {
         match result {
@@ -100,14 +178,14 @@ pub fn command(arguments: &ScoreArguments) -> anyhow::Result<Outcome> {
         failed: failed.clone(),
     })?;
     json.push('\n');
-    atomic::write_file(&arguments.out.join("score.json"), json.as_bytes())?;
-    atomic::write_file(&arguments.out.join("score.md"), markdown.as_bytes())?;
-    print!("{markdown}");
-    let missed = table.iter().any(|line| line.reached == Some(false));
-    Ok(if missed || !failed.is_empty() {
-        Outcome::CheckFailed
-    } else {
-        Outcome::Done
+    atomic::write_file(&scoring.out.join("score.json"), json.as_bytes())?;
+    atomic::write_file(&scoring.out.join("score.md"), markdown.as_bytes())?;
+    let is_missed = table.iter().any(|line| line.reached == Some(false));
+    Ok(Scored {
+        is_passed: !is_missed && failed.is_empty(),
+        table,
+        failed,
+        markdown,
     })
 }
 
@@ -122,41 +200,49 @@ fn task(case: &str, answer: &Answer, without: Vec<String>, out: PathBuf) -> Task
 
 fn run_all(
     tasks: &[Task],
-    arguments: &ScoreArguments,
+    scoring: &Scoring<'_>,
     library: &Library,
+    tell: &(dyn Fn(Step<'_>) + Sync),
 ) -> Vec<Option<anyhow::Result<Judgement>>> {
-    let bar = ProgressBar::new(tasks.len() as u64);
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg} {eta}") {
-        bar.set_style(style);
-    }
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<Option<anyhow::Result<Judgement>>>> =
         Mutex::new(tasks.iter().map(|_| None).collect());
     std::thread::scope(|scope| {
-        for _ in 0..arguments.jobs.max(1) {
+        let work = || {
             scope.spawn(|| {
                 loop {
                     let at = next.fetch_add(1, Ordering::Relaxed);
                     let Some(task) = tasks.get(at) else { return };
-                    bar.set_message(task.case.clone());
-                    let result = diagnosed(task, &arguments.cases, library)
+                    tell(Step::Case(&task.case));
+                    let result = diagnosed(task, scoring.cases, library, tell)
                         .map(|finding| judge(&task.answer, &finding));
                     results
                         .lock()
                         .unwrap_or_else(std::sync::PoisonError::into_inner)[at] = Some(result);
-                    bar.inc(1);
+                    tell(Step::Done);
                 }
-            });
+            })
+        };
+        let threads: Vec<_> = (0..scoring.jobs.max(1)).map(|_| work()).collect();
+        for thread in threads {
+            // Joined by hand, so that what a thread unwinds with arrives as it is.
+            if let Err(reason) = thread.join() {
+                std::panic::resume_unwind(reason);
+            }
         }
     });
-    bar.finish_and_clear();
     results
         .into_inner()
         .unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 /// The finding of an earlier run, or a new one.
-fn diagnosed(task: &Task, cases: &Path, library: &Library) -> anyhow::Result<Finding> {
+fn diagnosed(
+    task: &Task,
+    cases: &Path,
+    library: &Library,
+    tell: &(dyn Fn(Step<'_>) + Sync),
+) -> anyhow::Result<Finding> {
     if task.out.join(FILE).is_file() {
         let finding = Finding::read(&task.out)?;
         if finding.without == task.without {
@@ -170,7 +256,7 @@ fn diagnosed(task: &Task, cases: &Path, library: &Library) -> anyhow::Result<Fin
         ..CaseArguments::default()
     };
     let case = arguments.load()?;
-    let (mut finding, _) = naming::name(&case, &mut |_| {})?;
+    let (mut finding, _) = naming::name(&case, &mut |what| tell(Step::Within(what)))?;
     // Where the right effect is taken out only the verdict counts.
     if task.without.is_empty() {
         let text = amend::text(&case, &finding, &amend::amended_model(&case, &finding)?)?;

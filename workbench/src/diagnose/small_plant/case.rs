@@ -10,8 +10,8 @@ use super::columns::Quantity;
 use super::model_file::{SmallModel, SmallModelError};
 use super::motion::{Measured, Motion, Scales, root_mean_square};
 use super::unit::Kind;
-use crate::diagnose::case::{CaseArguments, MODEL_FILE};
-use crate::diagnose::record_part::{Part, PartError};
+use crate::diagnose::material::Material;
+use crate::diagnose::record_part::Part;
 use crate::files::record::{Missing, Record, RecordError};
 
 /// Least length of all records to learn from together [s].
@@ -79,55 +79,38 @@ pub enum SmallCaseError {
         /// What is wrong and what would be right.
         what: String,
     },
-    /// A part of a file that is none.
-    #[error(transparent)]
-    Part(#[from] PartError),
     /// The command line.
     #[error("{0}")]
     Usage(String),
-}
-
-/// The model file that the arguments name.
-#[must_use]
-pub fn model_path(arguments: &CaseArguments) -> Option<PathBuf> {
-    let in_directory = || {
-        arguments
-            .case
-            .as_ref()
-            .map(|directory| directory.join(MODEL_FILE))
-    };
-    arguments.model.clone().or_else(in_directory)
 }
 
 /// Reads and checks a case whose model is that of a small plant.
 ///
 /// # Errors
 /// [`SmallCaseError`], naming the file and what would be right.
-pub fn load(arguments: &CaseArguments) -> Result<SmallCase, SmallCaseError> {
-    if let Some(sensors) = &arguments.sensors {
+pub fn load(material: &Material) -> Result<SmallCase, SmallCaseError> {
+    if let Some((sensors, _)) = &material.sensors {
         return Err(SmallCaseError::Usage(format!(
-            "--sensors {}: a small plant's instruments stand in its model file, [columns] and [measurement]; leave the option out",
-            sensors.display()
+            "{sensors}: a small plant's instruments stand in its model file, [columns] and [measurement]; leave the sensors out"
         )));
     }
-    let path = model_path(arguments).ok_or_else(|| {
-        SmallCaseError::Usage("no model: give a case directory or --model FILE".to_owned())
-    })?;
-    let text = fs::read_to_string(&path).map_err(|source| SmallCaseError::Read {
-        path: path.clone(),
-        source,
-    })?;
-    let model = SmallModel::parse(&text, &path.display().to_string())?;
-    for name in &arguments.without {
+    let model = SmallModel::parse(&material.model_text, &material.model_name)?;
+    for name in &material.without {
         check_effect(name)
             .map_err(|what| SmallCaseError::Usage(format!("--without {name}: {what}")))?;
     }
-    let (parts, held_out_part) = parts(arguments)?;
+    let parts = &material.records;
+    let Some(held_out_part) = &material.held_out else {
+        return Err(SmallCaseError::Usage(
+            "a small plant's case needs a record to judge on: held-out.csv in its directory, or --held-out FILE"
+                .to_owned(),
+        ));
+    };
     let mut records = Vec::new();
-    for part in &parts {
+    for part in parts {
         records.push(read(part, &model)?);
     }
-    let mut held_out = read(&held_out_part, &model)?;
+    let mut held_out = read(held_out_part, &model)?;
     let seconds: f64 = records.iter().map(Motion::seconds).sum();
     if seconds < SHORTEST {
         return Err(SmallCaseError::Usage(format!(
@@ -135,11 +118,11 @@ pub fn load(arguments: &CaseArguments) -> Result<SmallCase, SmallCaseError> {
         )));
     }
     for (part, record) in parts.iter().zip(&records) {
-        check_apart(part, record, &held_out_part, &held_out)?;
+        check_apart(part, record, held_out_part, &held_out)?;
     }
     let goes_on = parts
         .last()
-        .is_some_and(|last| continues(last, &held_out_part));
+        .is_some_and(|last| continues(last, held_out_part));
     relate_load(&model, &mut records, &mut held_out)?;
     let scales = Scales::of(&records);
     for (size, what) in [
@@ -154,13 +137,13 @@ pub fn load(arguments: &CaseArguments) -> Result<SmallCase, SmallCaseError> {
         }
     }
     Ok(SmallCase {
-        name: file_name(arguments.case.as_ref().unwrap_or(&path)),
+        name: material.name.clone(),
         model,
         records,
         held_out,
         goes_on,
         scales,
-        without: arguments.without.clone(),
+        without: material.without.clone(),
         notes: vec![
             "no FMU was built: the library's rigs do not include such a plant; model.amended.toml is the amended model"
                 .to_owned(),
@@ -183,59 +166,27 @@ pub fn check_effect(name: &str) -> Result<(), String> {
     ))
 }
 
-fn parts(arguments: &CaseArguments) -> Result<(Vec<Part>, Part), SmallCaseError> {
-    if let Some(directory) = &arguments.case {
-        let entries = fs::read_dir(directory).map_err(|source| SmallCaseError::Read {
-            path: directory.clone(),
-            source,
-        })?;
-        let mut records: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-        records.retain(|path| {
-            let name = file_name(path);
-            name.starts_with("run-") && name.ends_with(".csv")
-        });
-        records.sort();
-        if records.is_empty() {
-            return Err(SmallCaseError::Usage(format!(
-                "{}: has no record run-*.csv to learn from",
-                directory.display()
-            )));
-        }
-        return Ok((
-            records.into_iter().map(Part::whole).collect(),
-            Part::whole(directory.join("held-out.csv")),
-        ));
-    }
-    let Some(held_out) = &arguments.held_out else {
-        return Err(SmallCaseError::Usage(
-            "--held-out FILE is needed".to_owned(),
-        ));
-    };
-    let records: Result<Vec<Part>, _> = arguments
-        .records
-        .iter()
-        .map(|path| Part::parse(path))
-        .collect();
-    Ok((records?, Part::parse(held_out)?))
-}
-
 fn read(part: &Part, model: &SmallModel) -> Result<Motion, SmallCaseError> {
     let file = part.path.display().to_string();
     let unusable = |what: String| SmallCaseError::Unusable {
         file: file.clone(),
         what,
     };
-    let text = fs::read_to_string(&part.path).map_err(|source| SmallCaseError::Read {
-        path: part.path.clone(),
-        source,
-    })?;
+    let time_name = &model.columns.time.column;
+    let text = match &part.table {
+        // A table's time stands apart from its columns, and has the name that is asked for.
+        Some(table) => table.to_csv().replacen("time", time_name, 1),
+        None => fs::read_to_string(&part.path).map_err(|source| SmallCaseError::Read {
+            path: part.path.clone(),
+            source,
+        })?,
+    };
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let (header, rows) = text.split_once('\n').unwrap_or((text, ""));
     let names: Vec<&str> = header
         .split(',')
         .map(|name| name.trim().trim_matches('"'))
         .collect();
-    let time_name = &model.columns.time.column;
     if names.first() != Some(&time_name.as_str()) {
         return Err(unusable(format!(
             "the first column is `{}`; the model's [columns] names `{time_name}` as time, which must come first",

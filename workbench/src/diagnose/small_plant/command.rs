@@ -6,20 +6,20 @@ use std::time::Instant;
 use anyhow::{Context, anyhow};
 
 use super::amend::{amended_text, described, named};
-use super::case::{SmallCase, check_effect, load, model_path};
+use super::case::{SmallCase, check_effect, load};
 use super::catalogue::entry;
 use super::console::screen;
 use super::finding::SmallFinding;
 use super::model::Model;
-use super::model_file::{SmallModel, is_small_plant};
+use super::model_file::SmallModel;
 use super::naming::{candidates, fit_base, fit_with, name as name_effects, shows};
 use super::report::page;
 use super::showing::{balance, models_on_the_way, polished, step};
 use super::term::Entry;
 use crate::cli::Outcome;
 use crate::diagnose::amend::FILE as AMENDED;
-use crate::diagnose::case::CaseArguments;
 use crate::diagnose::finding::VerdictName;
+use crate::diagnose::material::Material;
 use crate::diagnose::report::FILE as REPORT;
 use crate::files::atomic;
 
@@ -38,26 +38,18 @@ pub enum Stage<'a> {
     Show,
 }
 
-/// Whether the arguments are about a small plant; a model that cannot be read is left to the rig's own messages.
-#[must_use]
-pub fn concerns(arguments: &CaseArguments) -> bool {
-    model_path(arguments)
-        .and_then(|path| std::fs::read_to_string(path).ok())
-        .is_some_and(|text| is_small_plant(&text))
-}
-
 /// Runs a stage; the screen's text comes with its outcome.
 ///
 /// # Errors
 /// Whatever is wrong with the input; the exit code is then 2.
 pub fn run(
-    arguments: &CaseArguments,
+    material: &Material,
     stage: Stage<'_>,
     out: &Path,
     progress: &mut dyn FnMut(&str),
 ) -> anyhow::Result<(Outcome, String)> {
     let begun = Instant::now();
-    let case = load(arguments)?;
+    let case = load(material)?;
     let mut found = match stage {
         Stage::All | Stage::Name => named_finding(&case, progress),
         Stage::Locate => located(&case, progress),

@@ -1,0 +1,161 @@
+//! What a case is made of: files that the command line names, or a model and tables in memory.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::case::{Case, CaseError, check_effect};
+use super::record_part::{Part, PartError};
+use super::small_plant::model_file::is_small_plant;
+
+/// Names of a case's files in its directory.
+const MODEL_FILE: &str = "model.toml";
+const HELD_OUT_FILE: &str = "held-out.csv";
+const SENSORS_FILE: &str = "sensors.toml";
+
+/// Where a case's files are.
+#[derive(Debug, Clone, Default, Args)]
+pub struct CaseArguments {
+    /// Directory with model.toml, run-*.csv and, if need be, held-out.csv and sensors.toml.
+    #[arg(conflicts_with_all = ["model", "records", "held_out"], required_unless_present = "model")]
+    pub case: Option<PathBuf>,
+    /// The model that the analyst believes.
+    #[arg(long, value_name = "FILE", requires = "records")]
+    pub model: Option<PathBuf>,
+    /// Records to learn from, whole or from one time to another: FILE@FROM:TO, in seconds.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub records: Vec<PathBuf>,
+    /// Record to judge on; never fitted to. Without it the last record is held out, or the last quarter of a single one.
+    #[arg(long, value_name = "FILE")]
+    pub held_out: Option<PathBuf>,
+    /// Steps and noise of the instruments; without it they are estimated from the records.
+    #[arg(long, value_name = "FILE")]
+    pub sensors: Option<PathBuf>,
+    /// Leave this effect out of the catalogue; may be given several times.
+    #[arg(long, value_name = "NAME")]
+    pub without: Vec<String>,
+}
+
+/// What a case is made of. The records that are files are still to be read.
+#[derive(Debug, Clone, Default)]
+pub struct Material {
+    /// What messages and the report call the case.
+    pub name: String,
+    /// The model file, or what messages call the model.
+    pub model_name: String,
+    /// Text of the model file, with its `[columns]`.
+    pub model_text: String,
+    /// Records to learn from.
+    pub records: Vec<Part>,
+    /// Record to judge on; without it the last one to learn from is held out, or the last quarter of a single one.
+    pub held_out: Option<Part>,
+    /// Name and text of the sensor file; without it the instruments are estimated from the records.
+    pub sensors: Option<(String, String)>,
+    /// Effects taken out of the catalogue.
+    pub without: Vec<String>,
+}
+
+impl Material {
+    /// Whether the model is that of a small plant.
+    #[must_use]
+    pub fn is_of_small_plant(&self) -> bool {
+        is_small_plant(&self.model_text)
+    }
+}
+
+impl CaseArguments {
+    /// Reads and checks the case.
+    ///
+    /// # Errors
+    /// [`CaseError`], naming the file and what would be right.
+    pub fn load(&self) -> Result<Case, CaseError> {
+        for name in &self.without {
+            check_effect(name)?;
+        }
+        self.material()?.load()
+    }
+
+    /// What the case is made of; its model and sensors are read.
+    ///
+    /// # Errors
+    /// [`CaseError`] where a file cannot be read, or the directory has no record.
+    pub fn material(&self) -> Result<Material, CaseError> {
+        let (model_path, records, held_out) = self.paths()?;
+        let sensors = self.sensors_path().map(|path| named_text(&path));
+        let (model_name, model_text) = named_text(&model_path)?;
+        Ok(Material {
+            name: file_name(self.case.as_ref().unwrap_or(&model_path)),
+            model_name,
+            model_text,
+            records,
+            held_out,
+            sensors: sensors.transpose()?,
+            without: self.without.clone(),
+        })
+    }
+
+    /// The model file, the records to learn from, and the one to judge on where it is given.
+    fn paths(&self) -> Result<(PathBuf, Vec<Part>, Option<Part>), CaseError> {
+        match (&self.case, &self.model) {
+            (None, Some(model)) => {
+                let records: Result<Vec<Part>, PartError> =
+                    self.records.iter().map(|path| Part::parse(path)).collect();
+                let held_out = self.held_out.as_deref().map(Part::parse).transpose()?;
+                Ok((model.clone(), records?, held_out))
+            }
+            (case, _) => {
+                let directory = case.clone().unwrap_or_default();
+                let entries = fs::read_dir(&directory).map_err(|source| CaseError::Read {
+                    path: directory.clone(),
+                    source,
+                })?;
+                let mut records: Vec<PathBuf> = entries
+                    .flatten()
+                    .map(|entry| entry.path())
+                    .filter(|path| {
+                        let name = file_name(path);
+                        name.starts_with("run-") && name.ends_with(".csv")
+                    })
+                    .collect();
+                records.sort();
+                if records.is_empty() {
+                    return Err(CaseError::NoRecords { path: directory });
+                }
+                let held_out = directory.join(HELD_OUT_FILE);
+                Ok((
+                    directory.join(MODEL_FILE),
+                    records.into_iter().map(Part::whole).collect(),
+                    held_out.is_file().then(|| Part::whole(held_out)),
+                ))
+            }
+        }
+    }
+
+    /// The sensor file, where there is one.
+    fn sensors_path(&self) -> Option<PathBuf> {
+        let beside = self
+            .case
+            .as_ref()
+            .map(|directory| directory.join(SENSORS_FILE))
+            .filter(|path| path.is_file());
+        self.sensors.clone().or(beside)
+    }
+}
+
+/// A file's name and text.
+fn named_text(path: &Path) -> Result<(String, String), CaseError> {
+    let text = fs::read_to_string(path).map_err(|source| CaseError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    Ok((path.display().to_string(), text))
+}
+
+fn file_name(path: &Path) -> String {
+    let full = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    full.file_name().map_or_else(
+        || path.display().to_string(),
+        |name| name.to_string_lossy().into_owned(),
+    )
+}
