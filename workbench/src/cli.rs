@@ -1,7 +1,9 @@
 //! The command line: one subcommand per module.
 
+use std::ffi::OsString;
 use std::io::Write;
 
+use build_fmu::explain::explain;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
@@ -28,6 +30,21 @@ pub enum Outcome {
     /// The user interrupted the work, of which what is finished is kept: 130, as shells say it.
     Interrupted,
 }
+
+impl Outcome {
+    /// The process' exit code.
+    #[must_use]
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::CheckFailed => 1,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
+/// Exit code for wrong usage or input.
+const INPUT_ERROR: u8 = 2;
 
 /// Friction-induced stick-slip of a motor-driven torsional rig: simulate it, map it, find what a model of it lacks.
 #[derive(Debug, Parser)]
@@ -129,6 +146,20 @@ Interrupted, it goes on with the same command."
         /// The shell.
         shell: Shell,
     },
+}
+
+/// The program: `arguments` are its name and those of the command line; returns the exit code. Usage that is wrong or asks for
+/// help ends the process.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    // A reader such as `head` that has seen enough is no error.
+    sigpipe::reset();
+    match run(&Cli::parse_from(arguments)) {
+        Ok(outcome) => outcome.code(),
+        Err(error) => {
+            eprintln!("stickslip: {}", explain(error.as_ref()));
+            INPUT_ERROR
+        }
+    }
 }
 
 /// Runs the command that was given.
