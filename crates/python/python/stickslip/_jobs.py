@@ -1,0 +1,71 @@
+"""Long work: waiting for it, showing how far it is, stopping it."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+from . import _native
+
+# Seconds between two looks at the work.
+_INTERVAL = 0.1
+# Seconds after which a progress bar is worth showing.
+_PATIENCE = 0.5
+
+
+class Interrupted(KeyboardInterrupt):
+    """Work that Ctrl-C stopped; what is finished is kept.
+
+    Attributes
+    ----------
+    partial : Run, Map, Finding or None
+        What is finished.
+    """
+
+    def __init__(self, message: str, partial: Any = None) -> None:
+        super().__init__(message)
+        self.partial = partial
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How work ended: what it came to, and whether it was interrupted."""
+
+    result: Any
+    is_interrupted: bool
+
+
+def finish(job: _native.Job, title: str, unit: str, progress: bool) -> Ended:
+    """Wait for work, with a progress bar if it takes longer; Ctrl-C stops it, and a second one leaves it alone."""
+    try:
+        if job.wait(_PATIENCE):
+            return Ended(job.result(), is_interrupted=False)
+        with _bar(title, unit, progress) as bar:
+            while not job.wait(_INTERVAL):
+                _show(bar, job)
+            _show(bar, job)
+    except KeyboardInterrupt:
+        job.stop()
+        while not job.wait(_INTERVAL):
+            pass
+        return Ended(job.result(), is_interrupted=True)
+    return Ended(job.result(), is_interrupted=False)
+
+
+def _bar(title: str, unit: str, progress: bool) -> Any:
+    with warnings.catch_warnings():
+        # Without the widgets of notebooks the bar is one of text, as it should be.
+        warnings.simplefilter("ignore")
+        from tqdm.auto import tqdm
+    return tqdm(desc=title, unit=unit, disable=not progress, leave=False)
+
+
+def _show(bar: Any, job: _native.Job) -> None:
+    done, total = job.progress
+    bar.total = total or None
+    # Where nobody knows how much there is to do, a count of nothing says nothing.
+    bar.bar_format = None if total else "{desc}: {elapsed}{postfix}"
+    bar.set_postfix_str(job.message, refresh=False)
+    bar.update(done - bar.n)
+    bar.refresh()
