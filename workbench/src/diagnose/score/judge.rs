@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::answer::{Answer, Group, NEARLY_PARAMETERS};
-use crate::diagnose::finding::{Finding, ParameterValue, VerdictName};
+use crate::diagnose::finding::{Finding, NO_EFFECT, ParameterValue, VerdictName};
 
 /// How a finding compares with what was hidden.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,8 @@ pub struct Judgement {
     pub quiet: bool,
     /// Whether it says `not_in_catalogue`.
     pub flagged: bool,
+    /// Probability of the first set of the ranking, and whether that is the hidden one; absent where no set is the answer.
+    pub first_set: Option<(f64, bool)>,
     /// Relative errors of the effects' sizes.
     pub size_errors: Vec<f64>,
     /// For every number with an interval, whether it covers the true one.
@@ -79,6 +81,11 @@ pub fn judge(answer: &Answer, finding: &Finding) -> Judgement {
         false_name,
         quiet,
         flagged: finding.verdict == VerdictName::NotInCatalogue,
+        first_set: if speaks || quiet {
+            first_set(answer, finding, accepted)
+        } else {
+            None
+        },
         size_errors,
         covered,
         closed: finding
@@ -87,6 +94,19 @@ pub fn judge(answer: &Answer, finding: &Finding) -> Judgement {
             .and_then(|gap| gap.through_fmu.fmi3.closed),
         seconds: finding.seconds,
     }
+}
+
+/// Probability of the first set of a finding, and whether it is the hidden one or `accepted` for it.
+fn first_set(answer: &Answer, finding: &Finding, accepted: bool) -> Option<(f64, bool)> {
+    let first = finding.ranking.first()?;
+    let expected = answer.names();
+    let is_hidden = if first.name == NO_EFFECT {
+        answer.group() == Group::Clean
+    } else {
+        let found: Vec<&str> = first.name.split(" + ").collect();
+        !expected.is_empty() && is_right_set(&found, &expected)
+    };
+    Some((first.probability?, accepted || is_hidden))
 }
 
 /// Whether just the hidden effects were found. Beside another effect, one that is nearly a change of parameters may have been

@@ -4,6 +4,7 @@
 
 pub mod answer;
 pub mod judge;
+pub mod reliability;
 pub mod table;
 pub mod wilson;
 
@@ -20,6 +21,7 @@ use serde::Serialize;
 
 use self::answer::Answer;
 use self::judge::{Judgement, judge};
+use self::reliability::{Bin, bins};
 use self::table::{Line, confusion, lines, to_markdown};
 use super::amend;
 use super::command::compared;
@@ -59,6 +61,8 @@ struct Task {
 #[derive(Serialize)]
 struct Score {
     table: Vec<Line>,
+    /// Whether probabilities are what they say.
+    reliability: Vec<Bin>,
     /// Cases that could not be diagnosed, with the reason.
     failed: Vec<String>,
 }
@@ -175,6 +179,7 @@ pub fn score(scoring: &Scoring<'_>, tell: &(dyn Fn(Step<'_>) + Sync)) -> anyhow:
     let markdown = markdown(&table, &judged, &without, &failed);
     let mut json = serde_json::to_string_pretty(&Score {
         table: table.clone(),
+        reliability: bins(&judged),
         failed: failed.clone(),
     })?;
     json.push('\n');
@@ -278,8 +283,9 @@ fn markdown(
     failed: &[String],
 ) -> String {
     let mut text = format!(
-        "# Score\n\n{}\n## What was said\n\n{}",
+        "# Score\n\n{}\n## Probabilities\n\n{}\n## What was said\n\n{}",
         to_markdown(table),
+        reliability::to_markdown(&bins(judged)),
         confusion(judged)
     );
     if !without.is_empty() {

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::answer::{EQUIVALENT, Group, NEARLY_PARAMETERS};
 use super::judge::Judgement;
+use super::reliability::{bins, calibration_error};
 use super::wilson::Share;
 
 /// One line of the table.
@@ -56,6 +57,7 @@ pub fn lines(judged: &[Judgement], without: &[Judgement]) -> Vec<Line> {
         .collect();
     let closed: Vec<f64> = group(Group::Full).filter_map(|j| j.closed).collect();
     let seconds: Vec<f64> = judged.iter().map(|j| j.seconds).collect();
+    let bins = bins(judged);
     let coverage = Share::of(covered.iter(), |c| **c);
     let mut coverage_line = at_least("95 % intervals that cover", coverage, 0.90);
     coverage_line.bar = "90–98 %".to_owned();
@@ -129,6 +131,13 @@ pub fn lines(judged: &[Judgement], without: &[Judgement]) -> Vec<Line> {
             |v| v <= 0.05,
         ),
         coverage_line,
+        figure(
+            "expected calibration error of the probabilities",
+            calibration_error(&bins),
+            bins.iter().map(|bin| bin.cases).sum(),
+            "≤ 0.03",
+            |v| v <= 0.03,
+        ),
         figure(
             "held-out gap closed, median",
             quantile(&closed, 0.5),
