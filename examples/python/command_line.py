@@ -7,13 +7,25 @@ import pathlib
 
 import numpy
 import pandas
-import rig
 
 COLUMNS = ["u", "N2", "theta", "theta_dot", "theta3", "theta3_dot"]
 
 
+def model(text):
+    """A rig from its model file."""
+    # The other examples need no package, and these two no FMPy.
+    import stickslip
+
+    try:
+        return stickslip.Rig.from_toml(text)
+    except stickslip.InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
 def fmu(text):
     """Path of an FMU of a rig."""
+    import rig
+
     try:
         variables = rig.variables(text)
     except Exception as error:  # FMPy raises many kinds
@@ -26,6 +38,8 @@ def fmu(text):
 
 def record(text):
     """A record (CSV, `time` first) as a table."""
+    import rig
+
     try:
         table = rig.read_record(text)
     except (OSError, ValueError) as error:

@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from nbclient import NotebookClient
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = ROOT / "target" / "release"
 EXAMPLES = ROOT / "examples" / "python"
+MODEL = ROOT / "modelDescription" / "reduced-rig.toml"
 CASE = ROOT / "workbench" / "tests" / "data" / "unbalance"
 OUT = ROOT / "out" / "examples"  # kept: CI's pictures
 GRID = ["--speed-rpm", "25", "60", "8", "--normal-force", "10", "50", "5", "--stop", "30"]
@@ -50,34 +52,50 @@ def is_picture(path):
     return path.read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_run_is_plotted_and_kept(fmu):
-    folder = OUT / fmu.stem
-    python("run_and_plot", fmu, "--out", folder)
-    run = pandas.read_csv(folder / "run.csv", index_col="time")
-    assert len(run) == 6001 and is_picture(folder / "run.png")
+def test_a_run_is_plotted_and_kept():
+    said = python("run_and_plot", MODEL, "--out", OUT)
+    run = pandas.read_csv(OUT / "run.csv", index_col="time")
+    assert len(run) == 6001 and is_picture(OUT / "run.png")
     late = run["theta_dot"][run.index > 40]
     assert late.min() < 1e-9 and 12.6 < late.max() < 12.8
+    assert len(pandas.read_csv(OUT / "events.csv")) == 88
+    assert f"stick_slip: disc D2 between 0.000 and {late.max():.3f} rad/s" in said
 
 
-def test_parameters_change_the_motion(fmu):
-    folder = OUT / fmu.stem
-    python("change_parameters", fmu, "contact.mu_s", "0.13", "0.2", "--out", folder)
-    runs = pandas.read_csv(folder / "parameters.csv", index_col="time")
+def test_parameters_change_the_motion():
+    python("change_parameters", MODEL, "contact.mu_s", "0.13", "0.2", "--out", OUT)
+    runs = pandas.read_csv(OUT / "parameters.csv", index_col="time")
     late = runs[runs.index > 10]
     assert late["0.13"].min() > 4.0 and late["0.2"].min() < 1e-9
-    assert is_picture(folder / "parameters.png")
+    assert is_picture(OUT / "parameters.png")
+
+
+def test_a_case_is_diagnosed():
+    folder = OUT / "diagnosis"
+    records = [CASE / "run-a.csv", f"{CASE / 'run-b.csv'}@0:10", "--held-out", CASE / "held-out.csv"]
+    said = python("diagnose", CASE / "model.toml", *records, "--out", folder)
+    assert "Missing: unbalance" in said
+    assert json.loads((folder / "finding.json").read_text())["verdict"] == "named"
+    assert is_picture(folder / "held-out.png") and is_picture(folder / "candidates.png")
+    assert len(list(folder.glob("*.fmu"))) == 2
 
 
 MISTAKES = [
-    ("run_and_plot", "absent.fmu", ["argument fmu: absent.fmu cannot be read as an FMU", "absent.fmu"]),
-    ("run_and_plot", "text.fmu", ["argument fmu: text.fmu cannot be read as an FMU"]),
-    ("run_and_plot", "controller.fmu", ["controller.fmu is no FMU of a rig: it has no variable N2"]),
-    ("run_and_plot", "rig.fmu --normal-force -1", ["argument --normal-force: -1 N is below zero"]),
-    ("run_and_plot", "rig.fmu --stop 0", ["argument --stop: 0 is not above zero"]),
-    ("run_and_plot", "rig.fmu --out text.fmu", ["the folder text.fmu cannot be made: File exists"]),
-    ("change_parameters", "rig.fmu contact.mu 0.1", ["contact.mu is no parameter", "contact.mu_s"]),
-    ("change_parameters", "rig.fmu contact.mu_s fast", ["argument values: invalid number value: 'fast'"]),
-    ("change_parameters", "rig.fmu contact.mu_s 0.01", ["the FMU does not take contact.mu_s = 0.01", "mu_c = 0.12"]),
+    ("run_and_plot", "absent.toml", ["argument model: absent.toml: cannot be read: No such file"]),
+    ("run_and_plot", "text.fmu", ["argument model: text.fmu"]),
+    ("run_and_plot", "controller.toml", ["argument model: controller.toml: is a controller; a rig is needed"]),
+    ("run_and_plot", "rig.toml --normal-force -1", ["argument --normal-force: -1 N is below zero"]),
+    ("run_and_plot", "rig.toml --stop 0", ["argument --stop: 0 is not above zero"]),
+    ("run_and_plot", "rig.toml --stop 0.001", ["step 0.01: is longer than the run"]),
+    ("run_and_plot", "rig.toml --out text.fmu", ["the folder text.fmu cannot be made: File exists"]),
+    ("change_parameters", "rig.toml contact.mu 0.1", ["has no parameter `contact.mu`", "contact.mu_s"]),
+    ("change_parameters", "rig.toml contact.mu_s fast", ["argument values: invalid number value: 'fast'"]),
+    ("change_parameters", "rig.toml contact.mu_s 0.01", ["mu_s = 0.01", "mu_c = 0.12"]),
+    ("diagnose", "rig.toml absent.csv", ["absent.csv: cannot be read"]),
+    ("diagnose", "rig.toml columns.csv --held-out words.csv", ["words.csv line 3, column `N2`: `strong` is not a number"]),
+    ("validate", "record.csv absent.fmu", ["argument fmus: absent.fmu cannot be read as an FMU"]),
+    ("validate", "record.csv text.fmu", ["argument fmus: text.fmu cannot be read as an FMU"]),
+    ("validate", "record.csv controller.fmu", ["controller.fmu is no FMU of a rig: it has no variable N2"]),
     ("validate", "absent.csv rig.fmu", ["argument record: absent.csv cannot be read", "No such file"]),
     ("validate", "columns.csv rig.fmu", ["columns.csv has no column N2, theta", "it has u, n2"]),
     ("validate", "words.csv rig.fmu", ["words.csv: column N2 has something that is no finite number"]),
@@ -98,6 +116,8 @@ def bench(tmp_path_factory):
             check=True, capture_output=True, text=True,
         )
         pathlib.Path(made.stdout.split(" (")[0]).rename(folder / f"{name}.fmu")
+        shutil.copy(ROOT / "modelDescription" / f"{model}.toml", folder / f"{name}.toml")
+    shutil.copy(CASE / "held-out.csv", folder / "record.csv")
     (folder / "text.fmu").write_text("no archive")
     head = "time,u,N2,theta,theta_dot,theta3,theta3_dot\n"
     (folder / "columns.csv").write_text("time,u,n2\n0,1,2\n1,1,2\n")
@@ -266,11 +286,22 @@ def test_the_same_study_on_a_scheduler_by_its_address(undisturbed, tmp_path):
     pandas.testing.assert_frame_equal(rows(tmp_path / "out"), expected)
 
 
-def test_the_notebook_tells_its_story():
-    notebook = nbformat.read(EXAMPLES / "story.ipynb", as_version=4)
-    client = NotebookClient(notebook, timeout=200, resources={"metadata": {"path": str(EXAMPLES)}})
-    client.execute()
+def kinds(notebook):
+    """What each cell of a notebook shows: kinds of data, or the name of a stream."""
+    return [
+        [sorted(output.get("data", {})) or output.get("name", output.output_type) for output in cell.get("outputs", [])]
+        for cell in notebook.cells
+    ]
+
+
+def test_the_notebook_tells_its_story_and_is_stored_with_what_it_shows():
+    stored = nbformat.read(EXAMPLES / "story.ipynb", as_version=4)
+    notebook = nbformat.from_dict(json.loads(json.dumps(stored)))
+    NotebookClient(notebook, timeout=200, resources={"metadata": {"path": str(EXAMPLES)}}).execute()
+    for cell in notebook.cells:
+        cell.metadata.clear()  # when it was executed
     nbformat.write(notebook, OUT / "story.ipynb")
-    pictures = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs
-                if "image/png" in output.get("data", {})]
-    assert len(pictures) == 2
+    shown = [kind for cell in kinds(notebook) for kind in cell]
+    assert sum("image/png" in kind for kind in shown) == 3 and sum("text/html" in kind for kind in shown) >= 6
+    again = f"cp {(OUT / 'story.ipynb').relative_to(ROOT)} examples/python/"
+    assert kinds(stored) == kinds(notebook), f"the notebook was changed and not executed since: {again}"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -120,3 +122,42 @@ def test_the_program_ends_at_ctrl_c_as_the_other_does(program: list[str] | None,
     _, error = process.communicate(timeout=60)
     assert process.returncode == 130, error
     assert "the same command goes on from there" in error
+
+
+def test_a_forked_process_refuses_what_would_wait_for_ever() -> None:
+    script = f"""
+    import os, stickslip, sys
+    stickslip.Case.from_directory({str(CASE)!r})
+    child = os.fork()
+    if child == 0:
+        made = stickslip.map(stickslip.Rig.reduced(), speed_rpm=(40, 60, 3), normal_force=50, duration=5)
+        try:
+            stickslip.Case.from_directory({str(CASE)!r})
+        except stickslip.InputError as error:
+            os._exit(3 if "spawn" in str(error) and len(made.frame) == 3 else 4)
+        os._exit(5)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+    """
+    result = subprocess.run([sys.executable, "-W", "ignore", "-c", textwrap.dedent(script)], capture_output=True, text=True, timeout=60)
+    assert result.stdout.strip() == "3", result.stdout + result.stderr
+
+
+def test_a_score_goes_on_where_it_stopped(tmp_path: pathlib.Path) -> None:
+    """Two copies of the case, of which the second answer is wrong."""
+    cases = tmp_path / "cases"
+    for name in ("case-1", "case-2"):
+        shutil.copytree(CASE, cases / name)
+    kinds = {"case-1": "unbalance", "case-2": "backlash"}
+    answers = {name: {"kind": kind, "effects": {}} for name, kind in kinds.items()}
+    (cases / "ANSWERS.json").write_text(json.dumps(answers))
+    out = tmp_path / "out"
+    first = stickslip.score(cases, out=out, progress=False)
+    kept = {path: path.read_bytes() for path in out.glob("*/finding.json")}
+    assert len(kept) == 2 and not first.is_passed and not first.failed
+    begun = time.monotonic()
+    again = stickslip.score(cases, out=out, progress=False)
+    assert time.monotonic() - begun < 1
+    assert again.frame.equals(first.frame) and again.markdown == first.markdown
+    assert {path: path.read_bytes() for path in kept} == kept
+    program = subprocess.run([str(INSTALLED / "stickslip"), "score", str(cases), "--out", str(out)], capture_output=True, text=True)
+    assert (program.returncode, program.stdout) == (1, first.markdown)

@@ -10,7 +10,7 @@ import zipfile
 import numpy
 import pandas
 import pytest
-from conftest import BUILT, CASE, INSTALLED, LIBRARY, MODELS, run, table
+from conftest import BUILT, CASE, INSTALLED, LIBRARY, MODELS, ROOT, run, table
 
 import stickslip
 
@@ -167,3 +167,38 @@ def test_a_check_that_says_no_is_exit_code_1(tmp_path: pathlib.Path) -> None:
             archive.writestr(name, content.replace(b'unit="V"', b'unit="volt"'))
     assert run(INSTALLED / "build-fmu", "check", path).returncode == 0
     assert run(INSTALLED / "build-fmu", "check", spoiled).returncode == 1
+
+
+def swing(amplitude: float) -> pandas.DataFrame:
+    """A pendulum with dry friction beside viscous drag, from rest at an amplitude [rad]; its angle as an encoder reads it."""
+    step, square, viscous, dry = 0.002, 64.0, 0.05, 0.35
+
+    def rate(angle: float, velocity: float) -> tuple[float, float]:
+        return velocity, -square * numpy.sin(angle) - viscous * velocity - dry * numpy.sign(velocity)
+
+    angle, velocity, angles = amplitude, 0.0, []
+    for _ in range(6001):
+        angles.append(angle)
+        first = rate(angle, velocity)
+        middle = rate(angle + 0.5 * step * first[0], velocity + 0.5 * step * first[1])
+        angle, velocity = angle + step * middle[0], velocity + step * middle[1]
+    times = pandas.Index(numpy.arange(6001) * step, name="t_s")
+    encoder = 2 * numpy.pi / 20000
+    return pandas.DataFrame({"theta_rad": numpy.floor((numpy.array(angles) + numpy.pi) / encoder) * encoder}, index=times)
+
+
+def test_a_small_plant(tmp_path: pathlib.Path) -> None:
+    model = ROOT / "docs/examples/pendulum.toml"
+    directory = tmp_path / "pendulum"
+    directory.mkdir()
+    (directory / "model.toml").write_bytes(model.read_bytes())
+    learned, held_out = swing(1.2), swing(0.9)
+    learned.to_csv(directory / "run-a.csv")
+    held_out.to_csv(directory / "held-out.csv")
+    result = run(BUILT / "stickslip", "diagnose", directory, "--out", tmp_path / "program")
+    assert result.returncode == 0, result.stdout + result.stderr
+    finding = stickslip.Case(model, {"run-a.csv": learned}, held_out=held_out, name="pendulum").diagnose(out=tmp_path / "package")
+    assert comparable(finding.to_json()) == comparable((tmp_path / "program/finding.json").read_text())
+    assert str(finding) == result.stdout
+    assert finding.verdict == "named" and finding.fmus == [] and finding.held_out == []
+    assert [effect.name for effect in finding.effects] == ["coulomb_friction"]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from . import _native
 from ._finding import Finding
-from ._jobs import Interrupted, finish
+from ._jobs import Interrupted, finish, need_engine
 from ._native import InputError
 from ._rig import Rig
 from ._tables import Path, Tabular, native
@@ -123,6 +123,7 @@ class Case:
         return case
 
     def _start(self, native_case: _native.Case, count: int) -> None:
+        need_engine()
         self._native = native_case
         self._count = count
         ended = finish(native_case.check(), "records", "record", progress=False)
@@ -165,6 +166,7 @@ class Case:
         """
         place = tempfile.TemporaryDirectory(prefix="stickslip-") if out is None else None
         folder = FilePath(place.name if place is not None else str(out))
+        need_engine()
         ended = finish(self._native.diagnose(folder, library), "diagnose", "step", progress)
         if ended.result is None:
             kept, sentence = self._native.left(folder)

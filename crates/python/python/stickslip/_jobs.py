@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from dataclasses import dataclass
 from typing import Any
 
 from . import _native
+from ._native import InputError
 
 # Seconds between two looks at the work.
 _INTERVAL = 0.1
@@ -26,6 +28,32 @@ class Interrupted(KeyboardInterrupt):
     def __init__(self, message: str, partial: Any = None) -> None:
         super().__init__(message)
         self.partial = partial
+
+
+class _Engine:
+    """The threads of the engine that diagnoses: they stay behind where the process is forked."""
+
+    is_used = False
+    is_lost = False
+
+    @classmethod
+    def forked(cls) -> None:
+        """Note, in the child, what a fork leaves behind."""
+        cls.is_lost = cls.is_used
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_Engine.forked)
+
+
+def need_engine() -> None:
+    """Refuse what would wait for threads that a fork has left behind, for ever."""
+    if _Engine.is_lost:
+        raise InputError(
+            "this process was forked from one that had read a case, whose threads stay there; start processes with "
+            "multiprocessing.get_context('spawn'), or read the first case after the fork"
+        )
+    _Engine.is_used = True
 
 
 @dataclass(frozen=True)

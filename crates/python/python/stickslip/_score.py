@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 import pandas
 
 from . import _native
-from ._jobs import Interrupted, finish
+from ._jobs import Interrupted, finish, need_engine
 from ._tables import Path
 
 
@@ -82,6 +82,7 @@ def score(
     Interrupted
         Ctrl-C; the findings that are finished are kept in ``out``.
     """
+    need_engine()
     with tempfile.TemporaryDirectory(prefix="stickslip-") as place:
         folder = FilePath(out) if out is not None else FilePath(place)
         job = _native.score(cases, folder, leave_one_out, jobs, library)
