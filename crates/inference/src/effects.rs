@@ -277,10 +277,10 @@ impl Effect {
         )
     }
 
-    /// The law that this one becomes in the limit of one of its numbers.
+    /// The law that this one becomes where one of its numbers vanishes, and that number's dotted name.
     #[must_use]
-    pub fn limit(&self) -> Option<&'static str> {
-        matches!(self.form, Form::Stribeck).then_some("stiction")
+    pub fn limit(&self) -> Option<(&'static str, &'static str)> {
+        matches!(self.form, Form::Stribeck).then_some(("stiction", "contact.omega_s"))
     }
 
     /// Whether a rig has what the effect acts on.

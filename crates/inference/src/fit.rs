@@ -25,6 +25,9 @@ const SUSPECT: f64 = 6.0;
 /// Standard deviations of fluctuating friction, relative to it, among which a fit chooses.
 const FLUCTUATIONS: [f64; 8] = [0.0, 0.004, 0.008, 0.016, 0.03, 0.05, 0.08, 0.15];
 
+/// Factors by which a fit changes the fluctuation that it has chosen, until none of them gains.
+const FINER: [f64; 6] = [0.8, 0.91, 0.97, 1.03, 1.1, 1.25];
+
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -267,7 +270,10 @@ impl State<'_> {
     fn adapt(&mut self) {
         let mut best = (self.fit.loss, self.fit.disturbance);
         let mut found = None;
-        for relative in FLUCTUATIONS {
+        let own = self.fit.disturbance.relative;
+        let most = FLUCTUATIONS.iter().copied().fold(0.0, f64::max);
+        let finer = FINER.iter().map(|factor| (factor * own).min(most));
+        for relative in FLUCTUATIONS.into_iter().chain(finer) {
             let disturbance = Disturbance {
                 relative,
                 ..self.fit.disturbance

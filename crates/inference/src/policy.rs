@@ -22,6 +22,8 @@ pub const PRIOR_ODDS_OF_STRUCTURE: f64 = -MOST_LEFT;
 pub const MOST_MISFIT: f64 = 1.44;
 /// Standard deviations of what is known beforehand from which on a nominal parameter counts as wrong.
 pub const MOVED: f64 = 2.0;
+/// Standard deviations from the limit of a law from which on it is not that limit: 95 % of a normal variable lie nearer.
+pub const SURELY: f64 = 1.96;
 /// Most effects in one set.
 pub const MOST_EFFECTS: usize = 3;
 /// Squared residuals over their number above which a model without fluctuating friction is wrong.

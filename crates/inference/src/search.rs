@@ -3,6 +3,7 @@
 mod looks;
 
 use self::looks::{followed, looks, swapped};
+use crate::data::Data;
 use crate::effects::{EFFECTS, Effect, effect};
 use crate::evidence::Told;
 use crate::fit::{Fit, rescue};
@@ -10,7 +11,7 @@ use crate::hypothesis::Hypothesis;
 use crate::law_start::Scatter;
 use crate::loss;
 use crate::marginal::Disturbance;
-use crate::policy::{LN_PRIOR_ODDS, MOST_EFFECTS, WRONG};
+use crate::policy::{LN_PRIOR_ODDS, MOST_EFFECTS, SURELY, WRONG};
 use crate::problem::Problem;
 
 /// Steps of a fit to short windows.
@@ -41,16 +42,21 @@ pub struct Candidate {
     pub told: Told,
     /// Log likelihood of windows under what the other half of the records teaches.
     pub foretold: Told,
+    /// Whether a law of the set is what it becomes in its limit, as far as its numbers are known.
+    pub is_at_limit: bool,
 }
 
 impl Candidate {
-    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, or one of whose effects changes next to nothing.
+    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, one of whose effects changes next to nothing, or whose law may as well be the one that it becomes in its limit.
     #[must_use]
     pub fn score(&self) -> f64 {
         let hypothesis = &self.fit.hypothesis;
         let is_material =
             |name: &&str| effect(name).is_none_or(|effect| !effect.is_immaterial(hypothesis));
-        if hypothesis.at_an_end().is_empty() && self.effects.iter().all(is_material) {
+        if hypothesis.at_an_end().is_empty()
+            && !self.is_at_limit
+            && self.effects.iter().all(is_material)
+        {
             self.evidence + LN_PRIOR_ODDS * self.effects.len() as f64
         } else {
             f64::NEG_INFINITY
@@ -164,6 +170,7 @@ fn explore(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnM
         for name in &current.effects {
             let limit = effect(name)
                 .and_then(Effect::limit)
+                .map(|(limit, _)| limit)
                 .filter(|limit| is_possible(problem, limit));
             if let Some(limit) = limit {
                 replace(problem, &current, name, limit, known, progress);
@@ -258,13 +265,29 @@ fn candidate(problem: &Problem, fit: Fit) -> Candidate {
         .filter(|name| fit.hypothesis.effects.iter().any(|own| own == name))
         .collect();
     effects.dedup();
+    let is_at_limit = is_at_limit(&fit, &problem.long, &effects);
     Candidate {
         effects,
         fit,
         evidence,
         told,
         foretold,
+        is_at_limit,
     }
+}
+
+/// Whether the number that tells an effect from its limit is within its 95 % interval of vanishing.
+fn is_at_limit(fit: &Fit, data: &Data, effects: &[&str]) -> bool {
+    let telling: Vec<&str> = effects
+        .iter()
+        .filter_map(|name| effect(name).and_then(Effect::limit))
+        .map(|(_, number)| number)
+        .collect();
+    !telling.is_empty()
+        && fit
+            .estimates(data)
+            .iter()
+            .any(|own| telling.contains(&own.name.as_str()) && own.value < SURELY * own.deviation)
 }
 
 /// Fits a hypothesis to all windows, over short ones first if `closely`; windows start as in `from` where that is better.
