@@ -15,7 +15,8 @@ const STRETCH: usize = 2 * BLOCK;
 const LEAST_STRETCHES: usize = 8;
 /// Deviations within which a normal variable lies with 95 % probability.
 const NORMAL: f64 = 1.96;
-/// Least degrees of freedom for which [`student`] holds to a hundredth.
+/// Least degrees of freedom for which [`student`] holds to a hundredth, and least number of stretches whose scatter says anything of
+/// a number: without one of two that tell it, hardly more than the prior is left.
 const LEAST_FREEDOM: f64 = 3.0;
 
 impl Fit {
@@ -73,6 +74,9 @@ fn widened(
         scatter += &moved * moved.transpose() * ((count - 1.0) / count);
     }
     let wider = |j: usize| {
+        if freedom.of(j) < LEAST_FREEDOM {
+            return 1.0;
+        }
         let ratio = (scatter[(j, j)] / inverse[(j, j)]).sqrt();
         (ratio * student(freedom.of(j)) / NORMAL).max(1.0)
     };
@@ -111,7 +115,7 @@ impl Freedom {
 
 /// Deviations within which Student's variable lies with 95 % probability (Abramowitz and Stegun 26.7.5).
 fn student(freedom: f64) -> f64 {
-    let inverse = 1.0 / freedom.max(LEAST_FREEDOM);
+    let inverse = 1.0 / freedom;
     NORMAL + inverse * (2.372 + inverse * (2.823 + inverse * 2.556))
 }
 
@@ -177,6 +181,19 @@ mod tests {
             );
         }
         assert!((student(1e9) - NORMAL).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_number_that_two_stretches_tell_is_not_judged_by_their_scatter() {
+        let stretches: Vec<Stretch> = (0..20)
+            .map(|j| Stretch {
+                curvature: DMatrix::identity(1, 1) * if j < 2 { 50.0 } else { 0.0 },
+                pull: DVector::from_vec(vec![if j < 2 { 9.0 } else { 0.0 }]),
+            })
+            .collect();
+        let curvature = DMatrix::identity(1, 1) * 101.0;
+        let found = widened(&curvature, vec![1.0], &stretches).unwrap();
+        assert!((found[(0, 0)] * 101.0 - 1.0).abs() < 1e-12);
     }
 
     #[test]
