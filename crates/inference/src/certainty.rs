@@ -7,14 +7,11 @@ use crate::fit::Fit;
 use crate::hypothesis::Estimate;
 use crate::loss::{normal_equations, weight};
 use crate::marginal::Reduced;
+use crate::policy::SURELY;
 use crate::window::Window;
 
 /// Windows in a row that what the sensors' noise does not explain may pull the same way.
 const STRETCH: usize = 2 * BLOCK;
-/// Fewest stretches whose scatter says how uncertain a number is.
-const LEAST_STRETCHES: usize = 8;
-/// Deviations within which a normal variable lies with 95 % probability.
-const NORMAL: f64 = 1.96;
 /// Least degrees of freedom for which [`student`] holds to a hundredth, and least number of stretches whose scatter says anything of
 /// a number: without one of two that tell it, hardly more than the prior is left.
 const LEAST_FREEDOM: f64 = 3.0;
@@ -56,9 +53,6 @@ fn widened(
     stretches: &[Stretch],
 ) -> Option<DMatrix<f64>> {
     let inverse = Cholesky::new(curvature.clone())?.inverse();
-    if stretches.len() < LEAST_STRETCHES {
-        return Some(inverse);
-    }
     let count = stretches.len() as f64;
     let prior = DMatrix::from_diagonal(&DVector::from_vec(precisions));
     let prior_share = &inverse * prior * &inverse;
@@ -78,7 +72,7 @@ fn widened(
             return 1.0;
         }
         let ratio = (scatter[(j, j)] / inverse[(j, j)]).sqrt();
-        (ratio * student(freedom.of(j)) / NORMAL).max(1.0)
+        (ratio * student(freedom.of(j)) / SURELY).max(1.0)
     };
     Some(DMatrix::from_fn(
         inverse.nrows(),
@@ -116,7 +110,7 @@ impl Freedom {
 /// Deviations within which Student's variable lies with 95 % probability (Abramowitz and Stegun 26.7.5).
 fn student(freedom: f64) -> f64 {
     let inverse = 1.0 / freedom;
-    NORMAL + inverse * (2.372 + inverse * (2.823 + inverse * 2.556))
+    SURELY + inverse * (2.372 + inverse * (2.823 + inverse * 2.556))
 }
 
 /// The windows of each record, joined into stretches.
@@ -167,7 +161,7 @@ mod tests {
         assert_eq!(deviations(0.5), [0.1, 0.1]);
         let [disputed, agreed] = deviations(3.0);
         // The mean of twenty values: standard deviation over the square root of their number, and Student's factor.
-        let scatter = 0.3 * (20.0_f64 / 19.0).sqrt() * student(20.0) / NORMAL;
+        let scatter = 0.3 * (20.0_f64 / 19.0).sqrt() * student(20.0) / SURELY;
         assert!((disputed - scatter).abs() < 1e-12, "{disputed}");
         assert_eq!(agreed, 0.1);
     }
@@ -180,7 +174,7 @@ mod tests {
                 "{freedom}"
             );
         }
-        assert!((student(1e9) - NORMAL).abs() < 1e-6);
+        assert!((student(1e9) - SURELY).abs() < 1e-6);
     }
 
     #[test]
@@ -194,20 +188,5 @@ mod tests {
         let curvature = DMatrix::identity(1, 1) * 101.0;
         let found = widened(&curvature, vec![1.0], &stretches).unwrap();
         assert!((found[(0, 0)] * 101.0 - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn too_few_stretches_tell_nothing() {
-        let stretches: Vec<Stretch> = (1..LEAST_STRETCHES)
-            .map(|_| Stretch {
-                curvature: DMatrix::identity(1, 1) * 0.1,
-                pull: DVector::from_vec(vec![9.0]),
-            })
-            .collect();
-        let curvature = DMatrix::identity(1, 1);
-        assert_eq!(
-            widened(&curvature, vec![0.0], &stretches).unwrap(),
-            curvature
-        );
     }
 }

@@ -4,7 +4,7 @@ use crate::check::{Check, check};
 use crate::data::BLOCK;
 use crate::fit::Fit;
 use crate::hypothesis::Estimate;
-use crate::policy::{MOVED, NAMED};
+use crate::policy::{NAMED, SURELY};
 use crate::problem::Problem;
 use crate::search::{Candidate, search};
 use crate::structure::{Structure, structures};
@@ -153,7 +153,7 @@ fn moved(fit: &Fit) -> bool {
         .prior_precisions()
         .iter()
         .zip(&fit.hypothesis.x)
-        .any(|(p, x)| x * x * p > MOVED * MOVED)
+        .any(|(p, x)| x * x * p > SURELY * SURELY)
 }
 
 fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec<Rival> {

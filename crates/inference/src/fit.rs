@@ -19,7 +19,7 @@ const RELATIVELY: f64 = 1e-5;
 const SHORTER: f64 = 0.25;
 const LONGER: f64 = 2.0;
 /// Share of a step below which no more is tried.
-const LEAST_SHARE: f64 = 1e-4;
+const SHORTEST: f64 = 1e-4;
 /// Loss that a window may gain in a step before other starts are tried for it.
 const SUSPECT: f64 = 6.0;
 /// Standard deviations of fluctuating friction, relative to it, among which a fit chooses.
@@ -116,7 +116,7 @@ impl Fit {
                 state.share *= SHORTER;
             }
             quiet = if settled { quiet + 1 } else { 0 };
-            if quiet >= 2 || settled && gained <= 0.0 || state.share < LEAST_SHARE {
+            if quiet >= 2 || settled && gained <= 0.0 || state.share < SHORTEST {
                 state.fit.is_converged = true;
                 break;
             }
@@ -294,7 +294,7 @@ impl State<'_> {
         }
     }
 
-    /// One damped step.
+    /// One step, shortened to the present share.
     fn trial(&self, anchors: &[Start]) -> Option<(Fit, Vec<Option<Reduced>>)> {
         let (fit, data) = (&self.fit, self.data);
         let (curvature, gradient) = fit.normal_equations(&self.forms);

@@ -20,9 +20,8 @@ pub const MOST_LEFT: f64 = 40.0;
 pub const PRIOR_ODDS_OF_STRUCTURE: f64 = -MOST_LEFT;
 /// Squared residuals over their number up to which a model may be right: instruments are known to a fifth.
 pub const MOST_MISFIT: f64 = 1.44;
-/// Standard deviations of what is known beforehand from which on a nominal parameter counts as wrong.
-pub const MOVED: f64 = 2.0;
-/// Standard deviations from the limit of a law from which on it is not that limit: 95 % of a normal variable lie nearer.
+/// Standard deviations outside of which a normal variable lies with a probability of 5 %: from there on a nominal parameter counts
+/// as wrong, and a number as other than zero.
 pub const SURELY: f64 = 1.96;
 /// Most effects in one set.
 pub const MOST_EFFECTS: usize = 3;

@@ -1,17 +1,18 @@
 //! Which set of effects the records speak for: best first over sets by adding, removing and swapping.
 
+mod candidate;
 mod looks;
 
+pub use self::candidate::Candidate;
+use self::candidate::candidate;
 use self::looks::{followed, looks, swapped};
-use crate::data::Data;
 use crate::effects::{EFFECTS, Effect, effect};
-use crate::evidence::Told;
 use crate::fit::{Fit, rescue};
 use crate::hypothesis::Hypothesis;
 use crate::law_start::Scatter;
 use crate::loss;
 use crate::marginal::Disturbance;
-use crate::policy::{LN_PRIOR_ODDS, MOST_EFFECTS, SURELY, WRONG};
+use crate::policy::{LN_PRIOR_ODDS, MOST_EFFECTS, WRONG};
 use crate::problem::Problem;
 
 /// Steps of a fit to short windows.
@@ -28,57 +29,6 @@ const PART_WINDOWS: usize = 100;
 const CONSIDERABLE: f64 = 0.1;
 /// Sets with effects that are fitted to all windows.
 const RIVALS: usize = 3;
-
-/// A set of effects, fitted.
-#[derive(Clone, Debug)]
-pub struct Candidate {
-    /// The effects in the catalogue's order.
-    pub effects: Vec<&'static str>,
-    /// The fit.
-    pub fit: Fit,
-    /// Log evidence.
-    pub evidence: f64,
-    /// The same window by window.
-    pub told: Told,
-    /// Log likelihood of windows under what the other half of the records teaches.
-    pub foretold: Told,
-    /// Whether a law of the set is what it becomes in its limit, as far as its numbers are known.
-    pub is_at_limit: bool,
-}
-
-impl Candidate {
-    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, one of whose effects changes next to nothing, or whose law may as well be the one that it becomes in its limit.
-    #[must_use]
-    pub fn score(&self) -> f64 {
-        let hypothesis = &self.fit.hypothesis;
-        let is_material =
-            |name: &&str| effect(name).is_none_or(|effect| !effect.is_immaterial(hypothesis));
-        if hypothesis.at_an_end().is_empty()
-            && !self.is_at_limit
-            && self.effects.iter().all(is_material)
-        {
-            self.evidence + LN_PRIOR_ODDS * self.effects.len() as f64
-        } else {
-            f64::NEG_INFINITY
-        }
-    }
-}
-
-impl Candidate {
-    /// Log odds of this set over `other`.
-    #[must_use]
-    pub fn lead(&self, other: &Self) -> f64 {
-        let more = self.effects.len() as f64 - other.effects.len() as f64;
-        let gain = self.told.gain_over(&other.told);
-        // What an effect explains it must also foretell.
-        let sure = if more > 0.0 {
-            gain.min(self.foretold.gain_over(&other.foretold))
-        } else {
-            gain
-        };
-        sure + LN_PRIOR_ODDS * more
-    }
-}
 
 /// All sets that were fitted, the best first, and the analyst's model.
 #[derive(Clone, Debug)]
@@ -253,41 +203,6 @@ pub fn fit_effects(
         };
     }
     Some(current)
-}
-
-fn candidate(problem: &Problem, fit: Fit) -> Candidate {
-    let told = fit.told(&problem.long);
-    let evidence = told.total();
-    let foretold = fit.foretold(&problem.long);
-    let mut effects: Vec<&'static str> = EFFECTS
-        .iter()
-        .map(|effect| effect.name)
-        .filter(|name| fit.hypothesis.effects.iter().any(|own| own == name))
-        .collect();
-    effects.dedup();
-    let is_at_limit = is_at_limit(&fit, &problem.long, &effects);
-    Candidate {
-        effects,
-        fit,
-        evidence,
-        told,
-        foretold,
-        is_at_limit,
-    }
-}
-
-/// Whether the number that tells an effect from its limit is within its 95 % interval of vanishing.
-fn is_at_limit(fit: &Fit, data: &Data, effects: &[&str]) -> bool {
-    let telling: Vec<&str> = effects
-        .iter()
-        .filter_map(|name| effect(name).and_then(Effect::limit))
-        .map(|(_, number)| number)
-        .collect();
-    !telling.is_empty()
-        && fit
-            .estimates(data)
-            .iter()
-            .any(|own| telling.contains(&own.name.as_str()) && own.value < SURELY * own.deviation)
 }
 
 /// Fits a hypothesis to all windows, over short ones first if `closely`; windows start as in `from` where that is better.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::case::{Case, CaseError, check_effect};
+use super::case::{Case, CaseError};
 use super::record_part::{Part, PartError};
 use super::small_plant::model_file::is_small_plant;
 
@@ -70,9 +70,6 @@ impl CaseArguments {
     /// # Errors
     /// [`CaseError`], naming the file and what would be right.
     pub fn load(&self) -> Result<Case, CaseError> {
-        for name in &self.without {
-            check_effect(name)?;
-        }
         self.material()?.load()
     }
 
