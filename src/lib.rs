@@ -5,6 +5,7 @@
 
 pub mod controller;
 pub mod cosim;
+pub mod expression;
 pub mod ffi;
 pub mod friction;
 pub mod integrator;

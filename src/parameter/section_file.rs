@@ -76,6 +76,16 @@ pub enum ModelFileError {
         /// What would be right.
         expected: String,
     },
+    /// The equation, a unit or a table of an effect.
+    #[error("{file}: [{section}] {message}")]
+    Effect {
+        /// File name.
+        file: String,
+        /// Section.
+        section: String,
+        /// What is wrong, and where.
+        message: String,
+    },
     /// A value out of range, or two that contradict each other.
     #[error("{file}: {source}")]
     Parameter {
@@ -97,6 +107,11 @@ pub struct Provenance {
     pub relative_uncertainty: Option<f64>,
     /// Interval that covers the number with 95 % probability.
     pub interval95: Option<[f64; 2]>,
+}
+
+impl Provenance {
+    /// Keys by which a file states it.
+    pub(crate) const KEYS: [&str; 4] = ["source", "status", "relative_uncertainty", "interval95"];
 }
 
 /// Allowed words for [`Provenance::status`].
@@ -210,7 +225,7 @@ impl<'a> SectionReader<'a> {
         })
     }
 
-    fn number(
+    pub(crate) fn number(
         &mut self,
         section: &str,
         info: &ParameterInfo,

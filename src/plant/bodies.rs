@@ -2,10 +2,11 @@
 
 use super::bristle::{follow_bristle, stuck_order};
 use super::effect_series::OnDisc;
+use super::equation_series::At;
 use super::index::{BRISTLE, BRISTLE1, CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
 use super::jet::{PinJet, RigJet};
 use super::load::MINUTE;
-use super::{Coupling, Rig, RigInputs, RigMode};
+use super::{Contact, Coupling, Rig, RigInputs, RigMode};
 use crate::friction::{ContactMode, Law, RandomFunction, Slip};
 use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
 
@@ -121,6 +122,15 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         }
     }
 
+    /// What of the angle between the ends of a coupling twists the shaft.
+    pub fn elastic_twist(&self, coupling: Coupling, twist: S) -> S {
+        match coupling {
+            Coupling::Free => S::ZERO,
+            Coupling::Ahead => twist - self.play,
+            Coupling::Behind => twist + self.play,
+        }
+    }
+
     #[inline]
     pub fn expand_order(
         &self,
@@ -143,16 +153,14 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 twist = S::ZERO;
                 shaft_torque = S::ZERO;
             } else if k == 0 {
-                match mode.coupling {
-                    Coupling::Ahead => twist -= self.play,
-                    _ => twist += self.play,
-                }
+                twist = self.elastic_twist(mode.coupling, twist);
             }
         }
         shaft_torque += rig.shaft.stiffness * twist;
 
         let mut on_disc = S::ZERO;
         let mut on_motor = S::ZERO;
+        let mut unsupplied = S::ZERO;
         let mut voltage = jet.voltage.get(k).copied().unwrap_or(S::ZERO);
         let mut resistance_drop = rig.motor.resistance * x[CURRENT][k];
         if self.has_effects {
@@ -169,8 +177,24 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 if varying {
                     self.effect_load(k, time, x, &mut jet.disc.load, work);
                 }
+                if let Some(equations) = &mut work.equations {
+                    let at = At {
+                        k,
+                        time,
+                        branches: &mode.branches,
+                    };
+                    let added = self.by_equation(&at, (twist, twist_rate), x, voltage, equations);
+                    if mode.coupling != Coupling::Free {
+                        shaft_torque += added.shaft;
+                    }
+                    on_disc += added.disc;
+                    on_motor += added.motor;
+                    unsupplied = added.voltage;
+                    jet.disc.load[k] =
+                        self.equation_load(Contact::Disc, &at, x, &jet.disc, equations);
+                }
             }
-            voltage = voltage * self.voltage_factor;
+            voltage = voltage * self.voltage_factor + unsupplied;
             if let Some(drift) = &rig.effects.resistance_drift {
                 let rate = drift.rate_per_minute * (1.0 / MINUTE);
                 let mut extra = rate * time * x[CURRENT][k];
@@ -202,6 +226,21 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 if !outer.law.is_torque() {
                     outer.effects.vary_load(k, work, &mut pin.load);
                 }
+            }
+            let equations = jet
+                .effects
+                .as_mut()
+                .and_then(|work| work.equations.as_mut());
+            if let Some(equations) = equations {
+                let at = At {
+                    k,
+                    time,
+                    branches: &mode.branches,
+                };
+                let (torque, shaft) = self.outer_by_equation(&at, x, equations);
+                on_disc1 += torque;
+                outer_torque += shaft;
+                pin.load[k] = self.equation_load(Contact::Disc1, &at, x, pin, equations);
             }
             resisting -= outer_torque;
             let outer_resisting = outer_torque - on_disc1;

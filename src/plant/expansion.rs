@@ -9,7 +9,7 @@ use super::inputs::recentre;
 use super::jet::{RigJet, SlowMotions};
 use super::load::{lift_off, scale};
 use super::slow_motion::LOWEST_ORDER;
-use super::{Rig, RigInputs, RigMode, RigState};
+use super::{Port, Rig, RigInputs, RigMode, RigState};
 use crate::friction::Law;
 use crate::series::{Scalar, TERMS};
 
@@ -25,7 +25,7 @@ impl<S: Scalar> Rig<S> {
         order: usize,
         jet: &mut RigJet<S>,
     ) {
-        let varying = self.start(time, state, inputs, order, jet);
+        let varying = self.start_series(time, state, inputs, order, jet);
         jet.follows_tangent = self.expand_tangent(mode, time, state, inputs, order, jet);
         if jet.follows_tangent {
             return;
@@ -69,7 +69,7 @@ impl<S: Scalar> Rig<S> {
     ) {
         // The velocity of bristles that give way is that of the torque which they carry.
         let order = usize::from(self.effects.presliding.is_some());
-        let varying = self.start(time, state, inputs, order, jet);
+        let varying = self.start_series(time, state, inputs, order, jet);
         jet.follows_tangent = false;
         self.expand_equations(mode, time, inputs, order, varying, jet);
     }
@@ -90,7 +90,7 @@ impl<S: Scalar> Rig<S> {
         if jet.effects.is_some() || order < LOWEST_ORDER || self.is_bistable() {
             return false;
         }
-        self.start(time, state, inputs, order, jet);
+        self.start_series(time, state, inputs, order, jet);
         let mut motions = std::mem::replace(&mut jet.slow, SlowMotions::InUse);
         let found = match &mut motions {
             SlowMotions::Reduced(work) => {
@@ -121,7 +121,7 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// Puts state and inputs into `jet`; whether effects make the load vary.
-    fn start(
+    pub(super) fn start_series(
         &self,
         time: S,
         state: &RigState<S>,
@@ -143,7 +143,9 @@ impl<S: Scalar> Rig<S> {
         let varying = self.effects.normal_force_wobble.is_some()
             || self.effects.position_friction.is_some()
             || self.effects.stochastic_friction.is_some();
-        jet.disc.load_is_constant = self.start_load(inputs, time, offset, jet) && !varying;
+        let by_equation = self.equations.act_at(Port::DiscFriction);
+        jet.disc.load_is_constant =
+            self.start_load(inputs, time, offset, jet) && !varying && !by_equation;
         if let (Some(outer), Some(pin)) = (&self.outer, &mut jet.disc1) {
             let constant = recentre(
                 &inputs.normal_force_1,
@@ -152,8 +154,14 @@ impl<S: Scalar> Rig<S> {
                 &mut pin.load,
             );
             pin.moving[0] = lift_off(&mut pin.load, constant, 0.0);
+            if let Some(work) = &mut jet.effects
+                && let Some(equations) = &mut work.equations
+            {
+                equations.loads[1] = pin.load;
+            }
             scale(&mut pin.load, constant, outer.contact.radius);
-            pin.load_is_constant = constant || outer.law.is_torque();
+            pin.load_is_constant =
+                (constant || outer.law.is_torque()) && !self.equations.act_at(Port::Disc1Friction);
             if outer.law.is_torque() {
                 pin.load = [S::ZERO; TERMS];
                 pin.load[0] = S::constant(1.0);

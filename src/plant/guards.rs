@@ -121,6 +121,16 @@ impl<S: Scalar> Rig<S> {
                 watcher.watch(RigGuard::Rest(Contact::Motor), |k| states[OMEGA3][k] * sign);
             }
         }
+        let equations = jet
+            .effects
+            .as_ref()
+            .and_then(|work| work.equations.as_ref());
+        if let Some(work) = equations {
+            self.equations
+                .watch_branches(&mode.branches, work, |place, upwards, coefficient| {
+                    watcher.watch(RigGuard::Branch(place, upwards), coefficient);
+                });
+        }
         if let Some(backlash) = &self.effects.backlash {
             let half = backlash.gap * 0.5;
             let distance = |sign: f64, inward: f64| {

@@ -7,16 +7,19 @@
 use super::guards::Watcher;
 use super::jet::PinJet;
 use super::{Contact, Rig, RigGuard, RigInputs, RigJet, RigMode};
+use crate::expression::SITES;
 use crate::friction::{ContactMode, Direction, Law, Regime};
 use crate::series::Scalar;
 
 /// Number of indicators of the rig with most of them.
-pub const MOST_INDICATORS: usize = 16;
+pub const MOST_INDICATORS: usize = 16 + 2 * SITES;
 
 /// Velocity \[rad/s\] by which a sliding contact must have passed zero.
 const VELOCITY: f64 = 1e-10;
 /// Twist \[rad\] by which a coupling must have passed the edge of its dead band.
 const TWIST: f64 = 1e-10;
+/// What decides a kink of an equation, in SI units, by which it must have passed it.
+const KINK: f64 = 1e-10;
 /// Share of the breakaway torque (and of the acceleration that it gives) by which torques must have passed their limits.
 const SHARE: f64 = 1e-10;
 /// Acceleration \[rad/s²\] of the same where nothing presses and nothing breaks away.
@@ -45,6 +48,8 @@ enum Group {
     Load(Contact),
     /// The factor of friction that wear leaves.
     Wear,
+    /// A kink of an effect's equation.
+    Branch(usize),
 }
 
 /// The indicators of a rig: how many there are, and what they watch.
@@ -88,6 +93,9 @@ impl Indicators {
         if rig.effects.friction_wear.is_some() {
             add(Group::Wear, 1);
         }
+        for (place, both_ways) in rig.equations.sites().into_iter().enumerate() {
+            add(Group::Branch(place), if both_ways { 2 } else { 1 });
+        }
         Self {
             groups,
             count,
@@ -125,6 +133,10 @@ impl Indicators {
                 Group::Load(Contact::Disc1) => ("Pin on disc D1", &["is lifted"]),
                 Group::Load(_) => ("Pin on disc D2", &["is lifted"]),
                 Group::Wear => ("Friction of disc D2", &["is worn away"]),
+                Group::Branch(_) => (
+                    "Equation of an effect",
+                    &["passes a kink", "passes a kink upwards"],
+                ),
             };
             texts.extend(
                 kinds
@@ -280,6 +292,7 @@ impl Margins {
             }
             RigGuard::Turn(of, _) => contact(of).1,
             RigGuard::Play(_) => TWIST,
+            RigGuard::Branch(..) => KINK,
             RigGuard::Load(_) => 0.0,
         }
     }
@@ -305,6 +318,7 @@ impl<S: Scalar> Watcher<S> for Gathering<'_, S> {
             RigGuard::Release(contact, Direction::Backward) => (Group::Contact(contact), 2),
             RigGuard::Play(super::Coupling::Behind) => (Group::Play, 1),
             RigGuard::Play(_) => (Group::Play, 0),
+            RigGuard::Branch(place, upwards) => (Group::Branch(place), usize::from(upwards)),
             RigGuard::Load(_) => return,
         };
         if let Some(first) = self.indicators.place(group)

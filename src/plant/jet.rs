@@ -1,5 +1,6 @@
 //! Series of everything in the rig over one segment.
 
+use super::equation::EquationJet;
 use super::linear_parts::LinearParts;
 use super::slow_motion::SlowMotion;
 use super::tangent::Tangent;
@@ -87,6 +88,8 @@ pub(super) struct EffectJet<S> {
     pub turn: TurnJet<S>,
     /// Apart, so that rigs without effects on disc D1 do not carry it.
     pub outer: Option<Box<OuterEffectJet<S>>>,
+    /// Apart, so that rigs without effects by equation do not carry it.
+    pub equations: Option<Box<EquationJet<S>>>,
     pub second_cosine: Series<S>,
     pub second_sine: Series<S>,
     pub weighted_motor_angle: Series<S>,
@@ -155,6 +158,8 @@ impl<S: Scalar> RigJet<S> {
                 outer: outer
                     .filter(|outer| outer.effects.act_on_motion())
                     .map(|_| Box::new(OuterEffectJet::new())),
+                equations: (rig.equations.active().next())
+                    .map(|_| Box::new(EquationJet::new(&rig.equations))),
                 second_cosine: zero,
                 second_sine: zero,
                 weighted_motor_angle: zero,

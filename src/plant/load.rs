@@ -29,6 +29,13 @@ impl<S: Scalar> Rig<S> {
         if self.law.is_torque() {
             pin.load = [S::ZERO; TERMS];
             pin.load[0] = S::constant(1.0);
+            if let Some(work) = &mut jet.effects
+                && let Some(equations) = &mut work.equations
+            {
+                let force = &mut equations.loads[0];
+                let constant = recentre(&inputs.normal_force, offset, false, force);
+                lift_off(force, constant, 0.0);
+            }
         } else {
             constant = recentre(
                 &inputs.normal_force,
@@ -41,6 +48,12 @@ impl<S: Scalar> Rig<S> {
                 if !constant || pin.load[0].value() != 0.0 {
                     pin.load[0] -= bias.bias;
                 }
+            }
+            if let Some(work) = &mut jet.effects
+                && let Some(equations) = &mut work.equations
+            {
+                equations.loads[0] = pin.load;
+                lift_off(&mut equations.loads[0], constant, 0.0);
             }
             match (&self.effects.load_exponent, &mut jet.effects) {
                 (Some(exponent), Some(work)) => {

@@ -8,6 +8,8 @@ mod bodies;
 mod bristle;
 mod effect_series;
 mod effects;
+mod equation;
+mod equation_series;
 mod expansion;
 mod guards;
 mod indicators;
@@ -29,6 +31,10 @@ mod tangent;
 
 pub use crate::parameter::{ModelFileError, Parameter, Provenance};
 pub use effects::*;
+pub use equation::{
+    Definition, DefinitionError, EquationEffect, EquationEffects, Port, SiUnits,
+    definition_from_toml,
+};
 pub use indicators::{Indicators, MOST_INDICATORS};
 pub use inputs::{INPUT_TERMS, RigInputs};
 pub use instant::{Changes, Chattering};

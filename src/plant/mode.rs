@@ -1,5 +1,6 @@
 //! The discrete state of a rig.
 
+use crate::expression::SITES;
 use crate::friction::{ContactMode, Direction, Regime};
 
 /// Side of a coupling with play.
@@ -55,6 +56,8 @@ pub struct RigMode {
     /// Whether the root that `near` follows has just ended at a fold, for D2 and D1: the segment
     /// starts on the next stable root.
     pub folded: [bool; 2],
+    /// Branch of every kink of the effects by equation, in the order of the effects.
+    pub branches: [i32; SITES],
 }
 
 impl RigMode {
@@ -113,4 +116,6 @@ pub enum RigGuard {
     Play(Coupling),
     /// The normal force of a pin contact (D2: `Disc`, D1: `Disc1`) passes through zero.
     Load(Contact),
+    /// An effect's equation leaves its branch at the kink of this place; of the pieces of a table, upwards or not.
+    Branch(usize, bool),
 }

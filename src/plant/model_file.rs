@@ -1,5 +1,6 @@
 //! `model.toml`: a rig with its numbers, where they come from, and its effects.
 
+use super::equation::{read_effects, write_effect};
 use super::{
     ContactRadius, Disc, EFFECT_NAMES, Effects, Gearbox, Motor, OUTER_EFFECT_NAMES, Outer,
     OuterEffects, Rig, Shaft, effect_infos,
@@ -19,14 +20,17 @@ pub struct ModelFile {
     pub provenance: BTreeMap<String, Provenance>,
 }
 
-const PARTS: [&str; 5] = ["disc", "shaft", "gearbox", "motor", "contact"];
 const OUTER_PARTS: [&str; 3] = ["disc1", "shaft1", "contact1"];
+/// Sections that are no effects.
+pub(super) const SECTIONS: [&str; 9] = [
+    "disc", "shaft", "gearbox", "motor", "contact", "disc1", "shaft1", "contact1", "effect",
+];
 
 impl ModelFile {
     /// Reads the text of a model file; `file` names it in messages.
     pub fn parse(text: &str, file: &str) -> Result<Self, ModelFileError> {
         let mut reader = SectionReader::new(text, file)?;
-        let mut known = [&PARTS[..], &OUTER_PARTS, EFFECT_NAMES].concat();
+        let mut known = [&SECTIONS[..], EFFECT_NAMES].concat();
         // Effects on a disc that is not there are none.
         if reader.is_full() {
             known.extend(OUTER_EFFECT_NAMES);
@@ -49,7 +53,7 @@ impl ModelFile {
             "# A stickslip model. SI units, shaft side of the gearbox unless named motor.\n",
         );
         let mut open = "";
-        for (section, values) in self.rig.sections() {
+        for (section, values) in self.rig.coded_sections() {
             if section != open {
                 let _ = writeln!(text, "\n[{section}]");
                 open = section;
@@ -74,6 +78,9 @@ impl ModelFile {
                 );
             }
         }
+        for effect in self.rig.equations.active() {
+            write_effect(&mut text, effect, &self.provenance);
+        }
         text
     }
 }
@@ -95,7 +102,7 @@ impl Rig<f64> {
 }
 
 /// A number as TOML: always with a point or an exponent, exact on reading back.
-fn write_number(value: f64) -> String {
+pub(super) fn write_number(value: f64) -> String {
     format!("{value:?}")
 }
 
@@ -153,8 +160,10 @@ impl SectionReader<'_> {
             law,
             outer,
             effects: Effects::default(),
+            equations: read_effects(self)?,
         };
-        for name in rig.effect_names() {
+        let coded: Vec<&str> = rig.effect_names().collect();
+        for name in coded {
             if !self.table.contains_key(name) {
                 continue;
             }

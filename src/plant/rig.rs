@@ -1,8 +1,8 @@
 //! The rig as data: parts, friction law, effects, and its flat list of parameters.
 
 use super::{
-    ContactRadius, Disc, EFFECT_NAMES, Effects, Gearbox, Motor, OUTER_EFFECT_NAMES, OuterEffects,
-    Shaft,
+    ContactRadius, Disc, EFFECT_NAMES, Effects, EquationEffects, Gearbox, Motor,
+    OUTER_EFFECT_NAMES, OuterEffects, Shaft, effect_infos,
 };
 use crate::friction::Law;
 use crate::parameter::{self, Parameter, ParameterError, ParameterInfo, Section};
@@ -82,6 +82,8 @@ pub struct Rig<S> {
     pub outer: Option<Outer<S>>,
     /// Effects beyond the nominal rig.
     pub effects: Effects<S>,
+    /// Effects that files describe by equations.
+    pub equations: EquationEffects<S>,
 }
 
 impl<S: Scalar> Rig<S> {
@@ -96,6 +98,15 @@ impl<S: Scalar> Rig<S> {
 
     /// All sections with their names, in the fixed order of the parameter list.
     pub fn sections(&self) -> Vec<(&'static str, &dyn Section<S>)> {
+        let mut sections = self.coded_sections();
+        for effect in self.equations.active() {
+            sections.push((effect.definition.name(), effect));
+        }
+        sections
+    }
+
+    /// All sections but those of effects by equation.
+    pub(super) fn coded_sections(&self) -> Vec<(&'static str, &dyn Section<S>)> {
         let mut sections: Vec<(&'static str, &dyn Section<S>)> = vec![
             ("disc", &self.disc),
             ("shaft", &self.shaft),
@@ -132,6 +143,9 @@ impl<S: Scalar> Rig<S> {
             sections.extend(outer.effects.active_mut());
         }
         sections.extend(self.effects.active_mut());
+        for effect in self.equations.active_mut() {
+            sections.push((effect.definition.name(), effect));
+        }
         sections
     }
 
@@ -141,13 +155,17 @@ impl<S: Scalar> Rig<S> {
             .outer
             .as_ref()
             .map(|outer| outer.effects.act_on_motion());
-        self.effects.act_on_motion() || on_outer == Some(true)
+        self.effects.act_on_motion()
+            || on_outer == Some(true)
+            || self.equations.active().next().is_some()
     }
 
     /// Names of all effects that this rig can have, as `model.toml` spells their sections.
     pub fn effect_names(&self) -> impl Iterator<Item = &'static str> + use<S> {
         let outer = self.outer.as_ref().map_or(&[][..], |_| OUTER_EFFECT_NAMES);
-        EFFECT_NAMES.iter().chain(outer).copied()
+        let known = self.equations.known();
+        let by_equation: Vec<&str> = known.map(|effect| effect.definition.name()).collect();
+        EFFECT_NAMES.iter().chain(outer).copied().chain(by_equation)
     }
 
     /// Switches the effect `name` on with the values that `value` gives; `None` if this rig can have no such effect.
@@ -156,10 +174,29 @@ impl<S: Scalar> Rig<S> {
         name: &str,
         mut value: impl FnMut(&'static ParameterInfo) -> Result<S, E>,
     ) -> Option<Result<(), E>> {
-        match self.effects.insert(name, &mut value) {
-            None => self.outer.as_mut()?.effects.insert(name, value),
-            inserted => inserted,
+        if let Some(inserted) = self.effects.insert(name, &mut value) {
+            return Some(inserted);
         }
+        let outer = self.outer.as_mut();
+        let inserted = outer.and_then(|outer| outer.effects.insert(name, &mut value));
+        inserted.or_else(|| self.equations.insert(name, value))
+    }
+
+    /// Switches the effect `name` off; whether it was on.
+    pub fn remove_effect(&mut self, name: &str) -> bool {
+        let outer = self.outer.as_mut();
+        self.effects.remove(name)
+            || outer.is_some_and(|outer| outer.effects.remove(name))
+            || self.equations.remove(name)
+    }
+
+    /// Parameters of the effect `name`, on or off; `None` if this rig can have no such effect.
+    pub fn effect_infos(&self, name: &str) -> Option<&'static [ParameterInfo]> {
+        let by_equation = || {
+            let mut known = self.equations.known();
+            known.find(|effect| effect.definition.name() == name)
+        };
+        effect_infos(name).or_else(|| by_equation().map(|effect| effect.definition.infos()))
     }
 
     /// All parameters in a fixed order.
@@ -202,7 +239,27 @@ impl<S: Scalar> Rig<S> {
         if let Some(outer) = &self.outer {
             outer.law.check("contact1")?;
         }
-        self.check_bristles()
+        self.check_bristles()?;
+        self.check_equations()
+    }
+
+    /// Checks that effects by equation act on parts that there are.
+    fn check_equations(&self) -> Result<(), ParameterError> {
+        self.equations.check()?;
+        let stray = self
+            .equations
+            .known()
+            .find(|effect| effect.definition.port().is_outer() && self.outer.is_none());
+        let Some(effect) = stray else {
+            return Ok(());
+        };
+        Err(ParameterError::Inconsistent {
+            section: format!("effect {}", effect.definition.name()),
+            message: format!(
+                "port = \"{}\" is a place of the full rig; this one has no disc D1",
+                effect.definition.port().name()
+            ),
+        })
     }
 
     /// The same rig over another kind of number, without derivatives.
@@ -222,6 +279,7 @@ impl<S: Scalar> Rig<S> {
                 effects: outer.effects.lift(),
             }),
             effects: self.effects.lift(),
+            equations: self.equations.lift(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::index::{BRISTLE1, OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
 use super::jet::PinJet;
 use super::{Contact, Coupling, Rig, RigGuard, RigInputs, RigJet, RigMode, RigState};
+use crate::expression::SITES;
 use crate::friction::{ContactMode, Direction, Law, Regime};
 use crate::integrator::{Guard, HybridSystem};
 use crate::series::{Scalar, Series, TERMS, evaluate, evaluate_derivative, first_vertical_tangent};
@@ -353,7 +354,9 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
             },
             near: [0.0; 2],
             folded: [false; 2],
+            branches: [0; SITES],
         };
+        self.find_branches(&mut mode, time, state, inputs, jet);
         let contacts: &[(Contact, usize)] = &[
             (Contact::Motor, OMEGA3),
             (Contact::Disc, OMEGA),
@@ -451,6 +454,10 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                 }
             }
             RigGuard::Play(coupling) => mode.coupling = coupling,
+            RigGuard::Branch(place, upwards) => {
+                self.equations
+                    .leave_branch(place, upwards, &mut mode.branches);
+            }
             // The load's series changes its form; no mode does.
             RigGuard::Load(_) => {}
         }

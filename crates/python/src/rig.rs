@@ -8,7 +8,7 @@ use build_fmu::platform::{FmiVersion, Platform};
 use pyo3::prelude::*;
 use stickslip::controller::is_controller;
 use stickslip::parameter::ParameterInfo;
-use stickslip::plant::{ModelFile, Provenance, RigKind, effect_infos};
+use stickslip::plant::{ModelFile, Provenance, RigKind};
 use workbench::component::{Component, Native, Role, closest};
 use workbench::diagnose::rig_columns::RigColumns;
 use workbench::diagnose::small_plant::model_file::is_small_plant;
@@ -234,10 +234,7 @@ impl Rig {
     fn without_effect(&self, effect: &str) -> PyResult<Self> {
         let mut model = self.model.clone();
         self.effect_parameters(effect)?;
-        let on_outer = model.rig.outer.as_mut();
-        if !model.rig.effects.remove(effect)
-            && !on_outer.is_some_and(|outer| outer.effects.remove(effect))
-        {
+        if !model.rig.remove_effect(effect) {
             return Err(InputError::new_err(format!(
                 "{}: has no effect {effect} that could be taken out",
                 self.name
@@ -294,7 +291,8 @@ impl Rig {
 
     fn effect_parameters(&self, effect: &str) -> PyResult<&'static [ParameterInfo]> {
         let is_possible = self.model.rig.effect_names().any(|name| name == effect);
-        effect_infos(effect)
+        let infos = self.model.rig.effect_infos(effect);
+        infos
             .filter(|_| is_possible)
             .ok_or_else(|| self.unknown_effect(effect))
     }

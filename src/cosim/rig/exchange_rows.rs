@@ -64,6 +64,16 @@ pub(super) fn influences(rig: &Rig<f64>, unknown: Signal) -> Vec<Quantity<Signal
         Signal::CouplingFree => known.extend([THETA, THETA3].map(state)),
         Signal::Rate(_) | Signal::Indicator(_) => {}
     }
+    // Equations depend on what is listed at their ports already, and on time.
+    let moves = matches!(
+        unknown,
+        Signal::Rate(OMEGA | OMEGA1 | OMEGA3 | CURRENT | BRISTLE | BRISTLE1)
+            | Signal::Friction(_)
+            | Signal::Stuck(_)
+    );
+    if moves && rig.equations.depend_on_time() && !known.contains(&Quantity::Time) {
+        known.push(Quantity::Time);
+    }
     known
 }
 

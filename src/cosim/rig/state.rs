@@ -2,6 +2,7 @@
 
 use super::input_signals::InputSignals;
 use crate::cosim::{StateError, StateReader, StateWriter};
+use crate::expression::SITES;
 use crate::friction::{ContactMode, Direction, Regime};
 use crate::integrator::{Snapshot, Statistics};
 use crate::plant::{Coupling, RigInputs, RigMode, RigState, STATES};
@@ -58,6 +59,10 @@ pub(super) fn write_mode(mode: &RigMode, state: &mut StateWriter) {
     state.integer(place_of(&COUPLINGS, mode.coupling));
     mode.near.iter().for_each(|value| state.real(*value));
     mode.folded.iter().for_each(|folded| state.flag(*folded));
+    for branch in mode.branches {
+        // Two's complement keeps the sign.
+        state.integer(u64::from(branch.cast_unsigned()));
+    }
 }
 
 /// The modes that were written.
@@ -67,6 +72,12 @@ pub(super) fn read_mode(state: &mut StateReader<'_>) -> Result<RigMode, StateErr
     let coupling = element(&COUPLINGS, state.integer()?, "coupling mode")?;
     let near = [state.real()?, state.real()?];
     let folded = [state.flag()?, state.flag()?];
+    let mut branches = [0; SITES];
+    for branch in &mut branches {
+        let bits = u32::try_from(state.integer()?);
+        let bits = bits.map_err(|_| StateError::Content("a branch is out of range".to_owned()))?;
+        *branch = bits.cast_signed();
+    }
     Ok(RigMode {
         disc,
         disc1,
@@ -74,6 +85,7 @@ pub(super) fn read_mode(state: &mut StateReader<'_>) -> Result<RigMode, StateErr
         coupling,
         near,
         folded,
+        branches,
     })
 }
 

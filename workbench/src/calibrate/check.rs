@@ -1,7 +1,7 @@
 //! What a target file must not say.
 
 use stickslip::parameter::ParameterError;
-use stickslip::plant::{Rig, effect_infos};
+use stickslip::plant::Rig;
 
 use super::cycle::Disc;
 use super::target::{Goal, Point, Search, Sought, Target, TargetError};
@@ -102,7 +102,7 @@ fn hint(name: &str, source: &ParameterError, rig: &Rig<f64>) -> String {
         return String::new();
     }
     let section = name.split('.').next().unwrap_or(name);
-    if effect_infos(section).is_some() {
+    if rig.effect_infos(section).is_some() {
         return format!("; a model file with a section [{section}] has it");
     }
     let all: Vec<String> = rig

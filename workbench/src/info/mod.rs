@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use stickslip::controller::{ControlLaw, is_controller};
-use stickslip::plant::{ModelFile, ModelFileError, Provenance, RigKind};
+use stickslip::plant::{Definition, ModelFile, ModelFileError, Provenance, RigKind};
 
 use crate::cli::Outcome;
 use crate::component::{
@@ -81,7 +81,9 @@ fn describe_rig(model: &ModelFile) -> String {
     };
     let outer = rig.outer.iter().flat_map(|outer| outer.effects.active());
     let active = rig.effects.active().into_iter().chain(outer);
-    let effects: Vec<&str> = active.map(|(name, _)| name).collect();
+    let mut effects: Vec<&str> = active.map(|(name, _)| name).collect();
+    let equations: Vec<&Definition> = rig.equations.active().map(|e| e.definition).collect();
+    effects.extend(equations.iter().map(|effect| effect.name()));
     let mut text = format!("rig      {kind}\nlaw      {} (pin on D2)\n", rig.law.name());
     if let Some(outer) = &rig.outer {
         let _ = writeln!(text, "law      {} (pin on D1)", outer.law.name());
@@ -95,6 +97,14 @@ fn describe_rig(model: &ModelFile) -> String {
             effects.join(", ")
         }
     );
+    for effect in equations {
+        let (name, port, equation) = (effect.name(), effect.port().name(), effect.equation());
+        let _ = writeln!(
+            text,
+            "equation {name}: {port} {equation} ({})",
+            effect.title()
+        );
+    }
     text
 }
 

@@ -1,6 +1,6 @@
 //! The virtual rigs laid open: what was set, by whom, and how far the facts to which they are calibrated are met.
 
-use stickslip::plant::{ModelFile, effect_infos};
+use stickslip::plant::ModelFile;
 
 use crate::calibrate::cycle::Cycle;
 use crate::calibrate::target::{Goal, Point, Target};
@@ -43,7 +43,7 @@ fn lay_open(
             .parameter
             .iter()
             .any(|one| one.name == parameter.name);
-        if !sought && effect_infos(parameter.section).is_none() {
+        if !sought && model.rig.effect_infos(parameter.section).is_none() {
             continue;
         }
         let value = model.rig.parameter(&parameter.name).unwrap_or(f64::NAN);
