@@ -128,7 +128,7 @@ impl<S: Scalar> Rig<S> {
         if let Some(work) = equations {
             self.equations
                 .watch_branches(&mode.branches, work, |place, upwards, coefficient| {
-                    watcher.watch(RigGuard::Branch(place, upwards), coefficient);
+                    watcher.watch(RigGuard::Branch(place as u8, upwards), coefficient);
                 });
         }
         if let Some(backlash) = &self.effects.backlash {

@@ -318,7 +318,9 @@ impl<S: Scalar> Watcher<S> for Gathering<'_, S> {
             RigGuard::Release(contact, Direction::Backward) => (Group::Contact(contact), 2),
             RigGuard::Play(super::Coupling::Behind) => (Group::Play, 1),
             RigGuard::Play(_) => (Group::Play, 0),
-            RigGuard::Branch(place, upwards) => (Group::Branch(place), usize::from(upwards)),
+            RigGuard::Branch(place, upwards) => {
+                (Group::Branch(usize::from(place)), usize::from(upwards))
+            }
             RigGuard::Load(_) => return,
         };
         if let Some(first) = self.indicators.place(group)

@@ -12,13 +12,13 @@ use crate::series::{Scalar, Series, TERMS, evaluate};
 /// Series of one pin contact.
 #[derive(Clone, Debug)]
 pub(super) struct PinJet<S> {
+    /// Of a law on an exponential curve, which has no branches: in place of the upper branch's level, j × coefficient j of
+    /// −(slip speed)/(Stribeck velocity); in place of the lower one's, the exponential of that series.
     pub slip: SlipJet<S>,
     /// Normal force × radius [N m], or 1 for a law of the torque.
     pub load: Series<S>,
     /// Whether only order 0 of `load` differs from zero.
     pub load_is_constant: bool,
-    /// j × coefficient j of −(slip speed)/(Stribeck velocity), and the exponential of that series.
-    pub curve: [Series<S>; 2],
     /// Friction torque on the disc, signed.
     pub torque: Series<S>,
     /// Breakaway torque, ≥ 0.
@@ -39,7 +39,6 @@ impl<S: Scalar> PinJet<S> {
             slip: SlipJet::new(law),
             load: zero,
             load_is_constant: true,
-            curve: [zero; 2],
             torque: zero,
             breakaway: zero,
             resisting: zero,

@@ -117,5 +117,5 @@ pub enum RigGuard {
     /// The normal force of a pin contact (D2: `Disc`, D1: `Disc1`) passes through zero.
     Load(Contact),
     /// An effect's equation leaves its branch at the kink of this place; of the pieces of a table, upwards or not.
-    Branch(usize, bool),
+    Branch(u8, bool),
 }

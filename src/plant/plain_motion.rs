@@ -82,7 +82,7 @@ impl<'a, S: Scalar> Pin<'a, S> {
                 load,
                 inverse_inertia,
             } => {
-                let [weighted, excess] = &mut jet.curve;
+                let (weighted, excess) = (&mut jet.slip.level, &mut jet.slip.lower_level);
                 let rate = curve.inverse_omega_s * *sign;
                 let scale = *inverse_inertia * per_next;
                 if k == 0 {

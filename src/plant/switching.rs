@@ -456,7 +456,7 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
             RigGuard::Play(coupling) => mode.coupling = coupling,
             RigGuard::Branch(place, upwards) => {
                 self.equations
-                    .leave_branch(place, upwards, &mut mode.branches);
+                    .leave_branch(usize::from(place), upwards, &mut mode.branches);
             }
             // The load's series changes its form; no mode does.
             RigGuard::Load(_) => {}

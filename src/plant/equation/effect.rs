@@ -6,7 +6,7 @@ use crate::parameter::{ParameterError, ParameterInfo, Section};
 use crate::series::Scalar;
 
 /// Most effects by equation that one rig may have.
-const MOST_EFFECTS: usize = 6;
+const MOST_EFFECTS: usize = 4;
 /// Most parameters of one of them.
 pub(super) const MOST_PARAMETERS: usize = 6;
 

@@ -129,7 +129,7 @@ impl PinTangent {
         let (pin, load) = (segment.plain, &segment.plain.load);
         let on_curve = pin.load_is_constant && segment.law.exponential_curve().is_some();
         let mut level = if on_curve {
-            pin.curve[1]
+            pin.slip.lower_level
         } else {
             pin.slip.level
         };
