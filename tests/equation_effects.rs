@@ -406,3 +406,77 @@ fn what_is_wrong_with_an_effect_is_said_with_its_column() {
         assert!(message.contains(words), "{message}\nlacks {words}");
     }
 }
+
+#[test]
+fn the_examples_of_the_page_on_equations_are_models() {
+    let page = include_str!("../docs/equations.md");
+    let examples: Vec<&str> = page
+        .split("```toml\n")
+        .skip(1)
+        .filter_map(|block| block.split("```").next())
+        .collect();
+    assert_eq!(examples.len(), 2);
+    let rig = written(&examples.concat());
+    assert_eq!(rig.equations.active().count(), 2);
+}
+
+#[test]
+fn no_text_makes_the_reader_of_equations_fail_otherwise_than_with_a_reason() {
+    const PARTS: [&str; 28] = [
+        "a", "angle", "velocity", "load", "time", "width", "(", ")", "+", "-", "*", "/", "^", ",",
+        "2", "0", "1e3", ".", "sin(", "max(", "pow(", "sqrt(", "abs(", "sign(", "log(", " ", "€",
+        "\t",
+    ];
+    let mut random = common::Uniform(7);
+    let mut accepted = 0;
+    for _ in 0..20_000 {
+        let length = 1 + (random.next() * 12.0) as usize;
+        let text: String = (0..length)
+            .map(|_| PARTS[(random.next() * PARTS.len() as f64) as usize])
+            .collect();
+        let extra = effect(
+            "disc.torque",
+            &text.replace('\t', " "),
+            &[("a", 0.1, "N.m")],
+        );
+        match Rig::from_toml(&common::rig_text(false, law("coulomb"), &extra), "m") {
+            Ok(_) => accepted += 1,
+            Err(error) => assert!(error.to_string().starts_with("m: "), "{error}"),
+        }
+    }
+    assert!(accepted > 20, "{accepted}");
+}
+
+#[test]
+fn a_solver_from_outside_sees_every_kink() {
+    for (port, equation) in KINKS {
+        let rig = kinked(port, equation, 0.06);
+        let exact = common::state_after(&rig, [0.0; STATES], inputs(&rig), 3.0);
+        let mut model = stickslip::cosim::open_for_exchange(&rig.to_toml(), "kinked").unwrap();
+        let table = model.table().clone();
+        let place = |name: &str| table.find(name).unwrap().value_reference;
+        let held = [("u", inputs(&rig).voltage[0]), ("N2", 60.0)];
+        for (name, value) in held {
+            model.set_real(place(name), value).unwrap();
+        }
+        model.set_up(0.0, None);
+        model.initialise().unwrap();
+        let inputs: Vec<common::solver::Input> = held
+            .map(|(name, value)| {
+                (
+                    place(name),
+                    Box::new(move |_| value) as Box<dyn Fn(f64) -> f64>,
+                )
+            })
+            .into();
+        let mut solver = common::solver::Solver::new(model.as_mut(), inputs, 1e-11);
+        solver.advance_to(3.0);
+        for (place, exact) in exact[..5].iter().enumerate() {
+            let found = solver.states[place];
+            assert!(
+                (found - exact).abs() < 1e-6 * (1.0 + exact.abs()),
+                "{equation}: {found} {exact}"
+            );
+        }
+    }
+}

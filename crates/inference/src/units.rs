@@ -7,7 +7,7 @@
 use stickslip::friction::Law;
 use stickslip::parameter::units::Unit;
 use stickslip::parameter::{Parameter, ParameterError};
-use stickslip::plant::{Rig, RigState, STATES, index};
+use stickslip::plant::{Rig, RigState, STATES, SiUnits, index};
 
 /// The normal force to which the library's load exponent refers, in its own equation [N].
 const REFERENCE_FORCE: f64 = 50.0;
@@ -87,7 +87,14 @@ impl PlantUnits {
     /// # Errors
     /// A number leaves the range that its unit gives it.
     pub fn to_plant(&self, rig: &Rig<f64>) -> Result<Rig<f64>, ParameterError> {
-        self.converted(rig, |value, unit| value / unit, self.level(rig))
+        let equations = SiUnits {
+            time: self.time,
+            torque: self.torque,
+            force: self.force,
+            current: self.current,
+            voltage: self.voltage(),
+        };
+        self.converted(rig, |value, unit| value / unit, self.level(rig), equations)
     }
 
     /// A rig in SI units.
@@ -95,17 +102,28 @@ impl PlantUnits {
     /// # Errors
     /// A number leaves the range that its unit gives it.
     pub fn to_si(&self, rig: &Rig<f64>) -> Result<Rig<f64>, ParameterError> {
-        self.converted(rig, |value, unit| value * unit, 1.0 / self.level(rig))
+        let level = 1.0 / self.level(rig);
+        self.converted(rig, |value, unit| value * unit, level, SiUnits::SI)
     }
 
     /// SI value of one unit of a parameter of `rig`: of its friction law's levels too, which a load exponent refers to 50 N.
     #[must_use]
     pub fn of_parameter_in(&self, rig: &Rig<f64>, parameter: &Parameter) -> f64 {
-        let unit = self.of_parameter(&parameter.name, parameter.info.unit);
+        let unit = self.si_value(rig, parameter);
         if is_level(&parameter.name) {
             unit / self.level(rig)
         } else {
             unit
+        }
+    }
+
+    /// The same without the level of friction. Equations of a model file stay in SI units, whatever those of their rig are.
+    fn si_value(&self, rig: &Rig<f64>, parameter: &Parameter) -> f64 {
+        let mut equations = rig.equations.known();
+        if equations.any(|effect| effect.definition.name() == parameter.section) {
+            1.0
+        } else {
+            self.of_parameter(&parameter.name, parameter.info.unit)
         }
     }
 
@@ -122,14 +140,15 @@ impl PlantUnits {
         rig: &Rig<f64>,
         convert: impl Fn(f64, f64) -> f64,
         level: f64,
+        equations: SiUnits,
     ) -> Result<Rig<f64>, ParameterError> {
         let mut converted = *rig;
+        converted.equations.units = equations;
         for (position, parameter) in rig.parameters().iter().enumerate() {
             let Some(value) = rig.parameter_at(position) else {
                 continue;
             };
-            let unit = self.of_parameter(&parameter.name, parameter.info.unit);
-            let mut value = convert(value, unit);
+            let mut value = convert(value, self.si_value(rig, parameter));
             if is_level(&parameter.name) {
                 value *= level;
             }
@@ -157,7 +176,13 @@ mod tests {
     fn a_run_in_plant_units_is_the_run_in_si_units() {
         let text = include_str!("../../../modelDescription/reduced-rig.toml");
         let text = format!(
-            "{text}\n[load_exponent]\nexponent = 0.8\n[friction_wear]\nrate_per_minute = 0.7\n[unbalance]\ntorque = 0.05\nphase = 0.4\n"
+            "{text}\n[load_exponent]\nexponent = 0.8\n[friction_wear]\nrate_per_minute = 0.7\n[unbalance]\ntorque = 0.05\nphase = 0.4\n\
+             [[effect]]\nname = \"pull\"\ntitle = \"pull\"\nport = \"motor.voltage\"\nequation = \"-drop*current*time/(1 + time/span) - lag*velocity\"\n\
+             parameters.drop = {{ value = 0.03, unit = \"Ohm/s\", description = \"drop\" }}\n\
+             parameters.span = {{ value = 3, unit = \"s\", range = \"positive\", description = \"span\" }}\n\
+             parameters.lag = {{ value = 0.001, unit = \"V.s/rad\", description = \"lag\" }}\n\
+             [[effect]]\nname = \"rub\"\ntitle = \"rub\"\nport = \"disc.torque\"\nequation = \"-rub*load*velocity*abs(velocity)\"\n\
+             parameters.rub = {{ value = 1e-5, unit = \"m.s2/rad2\", description = \"rub\" }}\n"
         );
         let rig = Rig::from_toml(&text, "rig").unwrap();
         let units = PlantUnits::of(&rig, Some(37.0));
