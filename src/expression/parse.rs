@@ -48,6 +48,7 @@ pub fn parse(text: &str, names: &Names<'_>) -> Result<Program, ExpressionError> 
             operations: Vec::new(),
             columns: Vec::new(),
             constant: Vec::new(),
+            varying: Vec::new(),
             tables: names.tables.to_vec(),
             sites: Vec::new(),
         },
@@ -195,9 +196,7 @@ impl Parser<'_> {
             | Operation::Maximum(..)
             | Operation::Table(..) => false,
         };
-        self.program.operations.push(operation);
-        self.program.columns.push(column);
-        self.program.constant.push(constant);
+        self.program.add(operation, constant, column);
         Ok(self.program.operations.len() - 1)
     }
 

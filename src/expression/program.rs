@@ -156,6 +156,8 @@ pub struct Program {
     pub(super) columns: Vec<usize>,
     /// Whether an operation depends on numbers and parameters alone.
     pub(super) constant: Vec<bool>,
+    /// Those that do not.
+    pub(super) varying: Vec<usize>,
     pub(super) tables: Vec<Table>,
     pub(super) sites: Vec<Site>,
 }
@@ -210,10 +212,17 @@ impl Program {
     }
 
     fn push(&mut self, operation: Operation) {
-        self.constant
-            .push(matches!(operation, Operation::Number(_)));
+        let constant = matches!(operation, Operation::Number(_));
+        self.add(operation, constant, 1);
+    }
+
+    pub(super) fn add(&mut self, operation: Operation, constant: bool, column: usize) {
+        if !constant {
+            self.varying.push(self.operations.len());
+        }
+        self.constant.push(constant);
         self.operations.push(operation);
-        self.columns.push(1);
+        self.columns.push(column);
     }
 
     /// Places where the equation is not smooth.
@@ -260,11 +269,14 @@ impl Program {
         branches: &[i32],
         jet: &mut ExpressionJet<S>,
     ) -> S {
-        for node in 0..self.operations.len() {
-            if k == 0 || !self.constant[node] {
+        if k == 0 {
+            for node in 0..self.operations.len() {
+                self.expand_operation(node, 0, coordinates, parameters, branches, jet);
+            }
+        } else {
+            // What is constant has no further coefficients; they are zero from the start.
+            for &node in &self.varying {
                 self.expand_operation(node, k, coordinates, parameters, branches, jet);
-            } else {
-                jet.values[node][k] = S::ZERO;
             }
         }
         jet.values.last().map_or(S::ZERO, |value| value[k])
@@ -345,8 +357,7 @@ impl Program {
         }
     }
 
-    // One copy a number type: twice as much code runs no faster.
-    #[inline(never)]
+    #[inline]
     fn expand_operation<S: Scalar>(
         &self,
         node: usize,

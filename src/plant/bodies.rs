@@ -2,7 +2,7 @@
 
 use super::bristle::{follow_bristle, stuck_order};
 use super::effect_series::OnDisc;
-use super::equation_series::At;
+use super::equation_series::{At, ports};
 use super::index::{BRISTLE, BRISTLE1, CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
 use super::jet::{PinJet, RigJet};
 use super::load::MINUTE;
@@ -32,6 +32,8 @@ pub(super) struct Bodies<'a, S> {
     pub disturbances: [S; 2],
     pub on_disc: OnDisc<'a, S>,
     pub on_disc1: Option<OnDisc<'a, S>>,
+    /// Where equations act.
+    pub ports: u16,
 }
 
 /// What does not change in the course of a segment of one pin contact.
@@ -100,6 +102,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 quadratic_drag: outer.effects.quadratic_drag1.as_ref(),
                 has_bristles: effects.presliding.is_some(),
             }),
+            ports: ports(rig),
             disc_slip: SlipTemplate {
                 law: &rig.law,
                 inertia: rig.disc.inertia,

@@ -82,7 +82,20 @@ impl<S: Scalar> Coordinates<'_, S> {
     }
 }
 
+/// The ports at which any of `rig`'s equations act, as a bit each.
+pub(super) fn ports<S: Scalar>(rig: &Rig<S>) -> u16 {
+    let ports = rig
+        .equations
+        .active()
+        .map(|effect| effect.definition.port());
+    ports.fold(0, |bits, port| bits | 1 << port as u16)
+}
+
 impl<S: Scalar> Bodies<'_, S> {
+    fn acts_at(&self, port: Port) -> bool {
+        self.ports & (1 << port as u16) != 0
+    }
+
     /// Coefficient of all that equations add but factors of friction and what acts on D1.
     pub fn by_equation(
         &self,
@@ -102,7 +115,7 @@ impl<S: Scalar> Bodies<'_, S> {
             loads: [work.loads[0][at.k], S::ZERO],
         };
         let mut sum = |port: Port| {
-            if self.rig.equations.act_at(port) {
+            if self.acts_at(port) {
                 self.rig
                     .equations
                     .sum(port, at.k, known.at(port), at.branches, work)
@@ -156,7 +169,7 @@ impl<S: Scalar> Bodies<'_, S> {
             _ => Port::DiscFriction,
         };
         let load = pin.load[at.k];
-        if !self.rig.equations.act_at(port) {
+        if !self.acts_at(port) {
             return load;
         }
         let known = Coordinates {
