@@ -94,7 +94,34 @@ fn model_equations(facts: &Facts<'_>, model: &toml::Table) -> String {
     {
         html.push_str(&group(&effect));
     }
+    let written = model.get("effect").and_then(toml::Value::as_array);
+    for effect in written.into_iter().flatten() {
+        html.push_str(&written_effect(effect));
+    }
     html
+}
+
+/// An effect that the model file describes by an equation, in the words of its author.
+fn written_effect(effect: &toml::Value) -> String {
+    let words = |key: &str| {
+        escape(
+            effect
+                .get(key)
+                .and_then(toml::Value::as_str)
+                .unwrap_or_default(),
+        )
+    };
+    let source = match effect.get("source") {
+        Some(_) => words("source"),
+        None => "the model file".to_owned(),
+    };
+    format!(
+        "<h3>{} (<code>{}</code>)</h3>\n<p><code>{} = {}</code></p>\n<p><small>Source: {source}</small></p>\n",
+        words("title"),
+        words("name"),
+        words("port"),
+        words("equation"),
+    )
 }
 
 fn row(cells: &[(&str, &str)]) -> String {
@@ -231,4 +258,23 @@ fn usage(facts: &Facts<'_>) -> String {
          (friction as a function of the acceleration).</p>",
         experiment.start_time, experiment.stop_time, experiment.step_size
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_effect_of_the_model_file_is_shown_as_its_author_wrote_it() {
+        let effect: toml::Table = "name = \"pull\"\ntitle = \"A <b>cable</b>\"\nport = \"disc.torque\"\nequation = \"-a*max(angle, 0)\"\n"
+            .parse()
+            .unwrap();
+        let html = written_effect(&toml::Value::Table(effect));
+        assert!(html.contains("A &lt;b&gt;cable"), "{html}");
+        assert!(
+            html.contains("<code>disc.torque = -a*max(angle, 0)</code>"),
+            "{html}"
+        );
+        assert!(html.contains("Source: the model file"), "{html}");
+    }
 }
