@@ -163,7 +163,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
 
         let mut on_disc = S::ZERO;
         let mut on_motor = S::ZERO;
-        let mut unsupplied = S::ZERO;
+        let mut added_voltage = S::ZERO;
         let mut voltage = jet.voltage.get(k).copied().unwrap_or(S::ZERO);
         let mut resistance_drop = rig.motor.resistance * x[CURRENT][k];
         if self.has_effects {
@@ -192,12 +192,12 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                     }
                     on_disc += added.disc;
                     on_motor += added.motor;
-                    unsupplied = added.voltage;
+                    added_voltage = added.voltage;
                     jet.disc.load[k] =
                         self.equation_load(Contact::Disc, &at, x, &jet.disc, equations);
                 }
             }
-            voltage = voltage * self.voltage_factor + unsupplied;
+            voltage = voltage * self.voltage_factor + added_voltage;
             if let Some(drift) = &rig.effects.resistance_drift {
                 let rate = drift.rate_per_minute * (1.0 / MINUTE);
                 let mut extra = rate * time * x[CURRENT][k];
