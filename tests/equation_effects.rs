@@ -178,7 +178,7 @@ fn derivatives_through_stick_slip_are_those_of_the_coded_effect() {
 }
 
 /// Equations with kinks of every kind, through which the motion passes many times.
-const KINKS: [(&str, &str); 6] = [
+const KINKS: [(&str, &str); 7] = [
     ("disc.torque", "-a * sign(cos(angle))"),
     ("disc.torque", "-a * max(cos(angle), 0.3)"),
     (
@@ -187,6 +187,8 @@ const KINKS: [(&str, &str); 6] = [
     ),
     ("shaft.torque", "a * max(twist - 0.4, 0)"),
     ("disc.friction", "1 + a*sign(sin(2*angle))"),
+    // Below zero a factor counts as zero.
+    ("disc.friction", "1 + 20*a*cos(angle)"),
     ("motor.torque", "a * abs(sin(angle/8)) / 8"),
 ];
 
@@ -351,6 +353,15 @@ fn what_is_wrong_with_an_effect_is_said_with_its_column() {
             "column 3: the divisor may become zero",
         ),
         (base("a * log(load/load)"), "the divisor may become zero"),
+        (
+            base("a*time / (time*(1 + abs(angle)))"),
+            "the divisor may become zero",
+        ),
+        (
+            base("a").replace("N.m", "N.m99999999999"),
+            "\"m99999999999\" is not an SI symbol",
+        ),
+        (base("a*cos(angle)^0.5"), "column 13: the base of a power"),
         (base("-a * sign(velocity)"), "column 6: sign jumps"),
         (
             base("a").replace("equation = \"a\"", "equation = \"0\""),
@@ -445,6 +456,45 @@ fn no_text_makes_the_reader_of_equations_fail_otherwise_than_with_a_reason() {
         }
     }
     assert!(accepted > 20, "{accepted}");
+}
+
+#[test]
+fn what_is_kept_away_from_zero_may_divide() {
+    for equation in [
+        "-a / (width/2) * velocity",
+        "-a / exp(angle)",
+        "-a / (1 + (velocity/width)^2)",
+        "-a * velocity / (3*width^2)*width",
+    ] {
+        let mut parameters = vec![("a", 0.01, "N.m")];
+        if equation.contains("width") {
+            parameters.push(("width", 2.0, "rad/s"));
+        }
+        written(&effect("disc.torque", equation, &parameters));
+    }
+}
+
+#[test]
+fn new_inputs_may_lie_many_pieces_of_a_table_away() {
+    // A normal force that jumps by 350 pieces, up and down again.
+    let x: Vec<f64> = (0..=350).map(f64::from).collect();
+    let y: Vec<f64> = x.iter().map(|x| 1e-4 * x).collect();
+    let by_points = effect("disc.torque", "-a * pull(load)", &[("a", 1.0, "1")])
+        + &format!(
+            "[effect.tables.pull]\nx = {x:?}\ny = {y:?}\nx_unit = \"N\"\ny_unit = \"N.m\"\ninterpolation = \"linear\"\n"
+        );
+    let by_name = effect("disc.torque", "-a * load", &[("a", 1e-4, "m")]);
+    let run = |text: &str| {
+        let rig = written(text);
+        let held = |force| RigInputs::held(rig.voltage_for_speed(3.0), force, 0.0);
+        let mut run = start(&rig, 1e-11, moving(), held(0.5)).unwrap();
+        for (time, force) in [(0.5, 349.5), (0.6, 0.5), (1.5, 349.5)] {
+            run.set_inputs(time, held(force)).unwrap();
+        }
+        run.advance_to(2.0).unwrap();
+        run.state_at(2.0)
+    };
+    assert_near(&run(&by_points), &run(&by_name), 2e-9, "pull");
 }
 
 #[test]

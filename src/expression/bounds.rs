@@ -80,8 +80,8 @@ pub(super) fn check(program: &Program, names: &Names<'_>) -> Result<(), Expressi
                 Ok(of(node))
             } else {
                 let reason = format!(
-                    "{what} may become zero here, where the expression has a pole; \
-                     add something that keeps it away, such as 1 + (…)^2, or a range above 0"
+                    "{what} may become zero here, where the expression or its slope has no bound; \
+                     keep it away from zero, as 1 + (…)^2 is, or give its parameter range = \"positive\""
                 );
                 Err(ExpressionError::new(column, reason))
             }
@@ -152,7 +152,8 @@ pub(super) fn check(program: &Program, names: &Names<'_>) -> Result<(), Expressi
     Ok(())
 }
 
-/// Whether zero itself is excluded where an interval ends there: a parameter that is above zero, and products of such.
+/// Whether zero itself is excluded where an interval ends there: a parameter that is above zero, products and quotients of such,
+/// exponentials and powers.
 fn is_open(program: &Program, node: usize, names: &Names<'_>) -> bool {
     match &program.operations[node] {
         Operation::Parameter(place) => {
@@ -163,8 +164,10 @@ fn is_open(program: &Program, node: usize, names: &Names<'_>) -> bool {
         }
         Operation::Number(value) => *value != 0.0,
         Operation::Multiply(a, b) => is_open(program, *a, names) && is_open(program, *b, names),
-        Operation::Power(a, _) | Operation::SquareRoot(a) => is_open(program, *a, names),
-        Operation::Exponential(_) => true,
+        Operation::Power(a, _) | Operation::SquareRoot(a) | Operation::Divide(a, _) => {
+            is_open(program, *a, names)
+        }
+        Operation::Exponential(_) | Operation::RealPower(..) => true,
         _ => false,
     }
 }

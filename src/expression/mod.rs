@@ -6,15 +6,18 @@
 //! expression before anything runs.
 
 mod bounds;
+mod coordinate;
 mod dimension;
 mod error;
 mod parse;
 mod program;
+mod recurrence;
 mod table;
 
+pub(crate) use coordinate::COORDINATES;
+pub use coordinate::Coordinate;
 pub use dimension::Dimension;
 pub use error::ExpressionError;
-pub use parse::{Names, parse};
-pub(crate) use program::COORDINATES;
-pub use program::{Coordinate, ExpressionJet, Program, SITES, Site};
+pub use parse::{FUNCTIONS, Names, parse};
+pub use program::{ExpressionJet, Program, SITES, Site};
 pub use table::{Interpolation, Table, TableError};

@@ -1,6 +1,7 @@
 //! From text to a program: a recursive descent over sums, products, powers and calls.
 
-use super::program::{Coordinate, Operation, Program, SITES, Site};
+use super::coordinate::Coordinate;
+use super::program::{Operation, Program, SITES, Site};
 use super::{Dimension, ExpressionError, Table, bounds, dimension};
 use crate::parameter::Range;
 
@@ -13,7 +14,8 @@ const DEEPEST: usize = 40;
 /// Largest whole exponent.
 const HIGHEST_POWER: f64 = 64.0;
 
-const FUNCTIONS: [&str; 11] = [
+/// Functions that equations may call.
+pub const FUNCTIONS: [&str; 11] = [
     "sin", "cos", "exp", "log", "sqrt", "abs", "sign", "pow", "tanh", "min", "max",
 ];
 
@@ -51,6 +53,7 @@ pub fn parse(text: &str, names: &Names<'_>) -> Result<Program, ExpressionError> 
             varying: Vec::new(),
             tables: names.tables.to_vec(),
             sites: Vec::new(),
+            dimensions: Vec::new(),
         },
     };
     let root = parser.sum()?;
@@ -59,7 +62,7 @@ pub fn parse(text: &str, names: &Names<'_>) -> Result<Program, ExpressionError> 
         let reason = format!("\"{next}\" is one too many; an operator or the end is expected");
         return Err(parser.error(reason));
     }
-    let program = parser.program;
+    let mut program = parser.program;
     // The value of the whole is that of the last operation.
     debug_assert_eq!(root + 1, program.operations.len());
     for (place, (name, ..)) in names.parameters.iter().enumerate() {
@@ -84,6 +87,7 @@ pub fn parse(text: &str, names: &Names<'_>) -> Result<Program, ExpressionError> 
         );
         return Err(ExpressionError::new(1, reason));
     }
+    program.dimensions = dimensions;
     bounds::check(&program, names)?;
     check_jumps(&program)?;
     Ok(program)
@@ -105,28 +109,11 @@ fn check_jumps(program: &Program) -> Result<(), ExpressionError> {
 }
 
 fn depends_on_rate(program: &Program, node: usize) -> bool {
-    match program.operations[node] {
-        Operation::Number(_) | Operation::Parameter(_) => false,
-        Operation::Coordinate(coordinate) => coordinate.is_rate(),
-        Operation::Add(a, b)
-        | Operation::Subtract(a, b)
-        | Operation::Multiply(a, b)
-        | Operation::Divide(a, b)
-        | Operation::RealPower(a, b)
-        | Operation::Minimum(a, b, _)
-        | Operation::Maximum(a, b, _) => depends_on_rate(program, a) || depends_on_rate(program, b),
-        Operation::Negate(a)
-        | Operation::Power(a, _)
-        | Operation::Sine(a)
-        | Operation::Cosine(a)
-        | Operation::Exponential(a)
-        | Operation::Logarithm(a)
-        | Operation::SquareRoot(a)
-        | Operation::HyperbolicTangent(a)
-        | Operation::Absolute(a, _)
-        | Operation::Sign(a, _)
-        | Operation::Table(a, _, _) => depends_on_rate(program, a),
-    }
+    let operation = &program.operations[node];
+    matches!(operation, Operation::Coordinate(coordinate) if coordinate.is_rate())
+        || operation
+            .operands()
+            .any(|operand| depends_on_rate(program, operand))
 }
 
 struct Parser<'a> {
@@ -173,30 +160,7 @@ impl Parser<'_> {
             let reason = format!("an equation has at most {MOST_OPERATIONS} operations");
             return Err(ExpressionError::new(column, reason));
         }
-        let fixed = |node: usize| self.program.constant[node];
-        let constant = match operation {
-            Operation::Number(_) | Operation::Parameter(_) => true,
-            Operation::Coordinate(_) => false,
-            Operation::Add(a, b)
-            | Operation::Subtract(a, b)
-            | Operation::Multiply(a, b)
-            | Operation::Divide(a, b)
-            | Operation::RealPower(a, b) => fixed(a) && fixed(b),
-            Operation::Negate(a)
-            | Operation::Power(a, _)
-            | Operation::Sine(a)
-            | Operation::Cosine(a)
-            | Operation::Exponential(a)
-            | Operation::Logarithm(a)
-            | Operation::SquareRoot(a)
-            | Operation::HyperbolicTangent(a) => fixed(a),
-            Operation::Absolute(..)
-            | Operation::Sign(..)
-            | Operation::Minimum(..)
-            | Operation::Maximum(..)
-            | Operation::Table(..) => false,
-        };
-        self.program.add(operation, constant, column);
+        self.program.add(operation, column);
         Ok(self.program.operations.len() - 1)
     }
 
@@ -327,8 +291,8 @@ impl Parser<'_> {
         match exponent {
             0 => self.add(Operation::Number(1.0), column),
             1 => {
-                let zero = self.add(Operation::Number(1.0), column)?;
-                self.add(Operation::Multiply(base, zero), column)
+                let one = self.add(Operation::Number(1.0), column)?;
+                self.add(Operation::Multiply(base, one), column)
             }
             2..=4 => self.add(Operation::Power(base, exponent), column),
             _ => {

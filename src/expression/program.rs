@@ -1,88 +1,11 @@
-//! An equation as a list of operations, and its power series.
+//! An equation as a list of operations, and the branches on which its kinks are.
 
+use super::coordinate::{COORDINATES, Coordinate};
 use super::{Dimension, ExpressionError, Table};
-use crate::series::{RECIPROCAL, Scalar, Series, TERMS, convolution, cosine_sine, exponential};
+use crate::series::{Scalar, Series, TERMS};
 
 /// Most kinks of all equations of a rig together.
 pub const SITES: usize = 12;
-
-/// What an equation may depend on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coordinate {
-    /// Angle of what the effect acts on [rad].
-    Angle,
-    /// Its velocity [rad/s].
-    Velocity,
-    /// Twist of the shaft [rad].
-    Twist,
-    /// Rate of the twist [rad/s].
-    TwistRate,
-    /// Armature current [A].
-    Current,
-    /// Voltage at the terminals, as commanded [V].
-    Voltage,
-    /// Normal force on the pin [N], ≥ 0.
-    Load,
-    /// Time [s].
-    Time,
-}
-
-/// Number of [`Coordinate`]s.
-pub(crate) const COORDINATES: usize = 8;
-
-impl Coordinate {
-    /// All of them.
-    pub const ALL: [Self; COORDINATES] = [
-        Self::Angle,
-        Self::Velocity,
-        Self::Twist,
-        Self::TwistRate,
-        Self::Current,
-        Self::Voltage,
-        Self::Load,
-        Self::Time,
-    ];
-
-    /// Name in equations.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Angle => "angle",
-            Self::Velocity => "velocity",
-            Self::Twist => "twist",
-            Self::TwistRate => "twist_rate",
-            Self::Current => "current",
-            Self::Voltage => "voltage",
-            Self::Load => "load",
-            Self::Time => "time",
-        }
-    }
-
-    /// Its unit.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::Angle | Self::Twist => "rad",
-            Self::Velocity | Self::TwistRate => "rad/s",
-            Self::Current => "A",
-            Self::Voltage => "V",
-            Self::Load => "N",
-            Self::Time => "s",
-        }
-    }
-
-    pub(super) fn dimension(self) -> Dimension {
-        Dimension::of_unit(self.unit()).unwrap_or_default()
-    }
-
-    /// Whether it is never below zero.
-    pub(super) fn is_positive(self) -> bool {
-        matches!(self, Self::Load | Self::Time)
-    }
-
-    /// Whether a torque changes its rate at once: a jump there is dry friction, which can hold it.
-    pub(super) fn is_rate(self) -> bool {
-        matches!(self, Self::Velocity | Self::TwistRate | Self::Current)
-    }
-}
 
 /// One step of a program; operands are places of earlier ones.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,6 +54,46 @@ pub enum Operation {
     Table(usize, usize, usize),
 }
 
+impl Operation {
+    /// Places of what it works on.
+    pub(super) fn operands(&self) -> impl Iterator<Item = usize> + use<> {
+        let (a, b) = match *self {
+            Self::Number(_) | Self::Parameter(_) | Self::Coordinate(_) => (None, None),
+            Self::Add(a, b)
+            | Self::Subtract(a, b)
+            | Self::Multiply(a, b)
+            | Self::Divide(a, b)
+            | Self::RealPower(a, b)
+            | Self::Minimum(a, b, _)
+            | Self::Maximum(a, b, _) => (Some(a), Some(b)),
+            Self::Negate(a)
+            | Self::Power(a, _)
+            | Self::Sine(a)
+            | Self::Cosine(a)
+            | Self::Exponential(a)
+            | Self::Logarithm(a)
+            | Self::SquareRoot(a)
+            | Self::HyperbolicTangent(a)
+            | Self::Absolute(a, _)
+            | Self::Sign(a, _)
+            | Self::Table(a, _, _) => (Some(a), None),
+        };
+        a.into_iter().chain(b)
+    }
+
+    /// Its site, if it is not smooth.
+    fn site(&self) -> Option<usize> {
+        match *self {
+            Self::Absolute(_, site)
+            | Self::Sign(_, site)
+            | Self::Minimum(_, _, site)
+            | Self::Maximum(_, _, site)
+            | Self::Table(_, _, site) => Some(site),
+            _ => None,
+        }
+    }
+}
+
 /// A place where an equation is not smooth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Site {
@@ -160,15 +123,17 @@ pub struct Program {
     pub(super) varying: Vec<usize>,
     pub(super) tables: Vec<Table>,
     pub(super) sites: Vec<Site>,
+    /// Dimension of every operation.
+    pub(super) dimensions: Vec<Dimension>,
 }
 
 /// Series of all operations of a program.
 #[derive(Clone, Debug)]
 pub struct ExpressionJet<S> {
-    values: Vec<Series<S>>,
+    pub(super) values: Vec<Series<S>>,
     /// What a recurrence needs beside the value: the other of sine and cosine, 1 − tanh², a weighted argument, a watched
     /// difference.
-    others: Vec<[Series<S>; 2]>,
+    pub(super) others: Vec<[Series<S>; 2]>,
 }
 
 impl<S> ExpressionJet<S> {
@@ -212,15 +177,19 @@ impl Program {
     }
 
     fn push(&mut self, operation: Operation) {
-        let constant = matches!(operation, Operation::Number(_));
-        self.add(operation, constant, 1);
+        self.add(operation, 1);
     }
 
-    pub(super) fn add(&mut self, operation: Operation, constant: bool, column: usize) {
-        if !constant {
+    /// Appends an operation that stands at this column of the text.
+    pub(super) fn add(&mut self, operation: Operation, column: usize) {
+        // A kink is watched as a series, even one of constants.
+        let is_constant = !matches!(operation, Operation::Coordinate(_))
+            && operation.site().is_none()
+            && operation.operands().all(|operand| self.constant[operand]);
+        if !is_constant {
             self.varying.push(self.operations.len());
         }
-        self.constant.push(constant);
+        self.constant.push(is_constant);
         self.operations.push(operation);
         self.columns.push(column);
     }
@@ -228,6 +197,15 @@ impl Program {
     /// Places where the equation is not smooth.
     pub fn sites(&self) -> &[Site] {
         &self.sites
+    }
+
+    /// Dimension of what is watched at each of them.
+    pub(crate) fn watched_dimensions(&self) -> impl Iterator<Item = Dimension> {
+        self.sites.iter().map(|site| {
+            let (Site::Sides { node } | Site::Pieces { node, .. }) = *site;
+            let watched = self.operations[node].operands().next();
+            watched.map_or(Dimension::NONE, |operand| self.dimensions[operand])
+        })
     }
 
     /// Series to work on.
@@ -253,7 +231,7 @@ impl Program {
         jet: &mut ExpressionJet<S>,
     ) {
         for node in 0..self.operations.len() {
-            if let Some(site) = self.site_of(node) {
+            if let Some(site) = self.operations[node].site() {
                 branches[site] = self.branch_at(node, jet);
             }
             self.expand_operation(node, 0, coordinates, parameters, branches, jet);
@@ -280,17 +258,6 @@ impl Program {
             }
         }
         jet.values.last().map_or(S::ZERO, |value| value[k])
-    }
-
-    fn site_of(&self, node: usize) -> Option<usize> {
-        match self.operations[node] {
-            Operation::Absolute(_, site)
-            | Operation::Sign(_, site)
-            | Operation::Minimum(_, _, site)
-            | Operation::Maximum(_, _, site)
-            | Operation::Table(_, _, site) => Some(site),
-            _ => None,
-        }
     }
 
     fn branch_at<S: Scalar>(&self, node: usize, jet: &ExpressionJet<S>) -> i32 {
@@ -348,199 +315,13 @@ impl Program {
         }
     }
 
-    /// The branch beyond that end.
-    pub fn next_branch(&self, site: usize, upwards: bool, branch: i32) -> i32 {
+    /// The branch beyond that end, where the present values lie on `found`: new inputs may lie many pieces further, and at a knot
+    /// rounding decides on which of two pieces a value is.
+    pub fn next_branch(&self, site: usize, upwards: bool, branch: i32, found: i32) -> i32 {
         match self.sites[site] {
             Site::Sides { .. } => 1 - branch,
-            Site::Pieces { .. } if upwards => branch.saturating_add(1),
-            Site::Pieces { .. } => branch.saturating_sub(1),
+            Site::Pieces { .. } if upwards => branch.saturating_add(1).max(found),
+            Site::Pieces { .. } => branch.saturating_sub(1).min(found),
         }
     }
-
-    #[inline]
-    fn expand_operation<S: Scalar>(
-        &self,
-        node: usize,
-        k: usize,
-        coordinates: &[S; COORDINATES],
-        parameters: &[S],
-        branches: &[i32],
-        jet: &mut ExpressionJet<S>,
-    ) {
-        let first = k == 0;
-        let (x, rest) = jet.values.split_at_mut(node);
-        let y = &mut rest[0];
-        let other = &mut jet.others[node];
-        let at_first = |value: S| if first { value } else { S::ZERO };
-        let product = |a: usize, b: usize| match (self.constant[a], self.constant[b]) {
-            (true, _) => x[a][0] * x[b][k],
-            (_, true) => x[a][k] * x[b][0],
-            _ => convolution(&x[a][..=k], &x[b][..=k]),
-        };
-        y[k] = match self.operations[node] {
-            Operation::Number(value) => at_first(S::constant(value)),
-            Operation::Parameter(place) => at_first(parameters[place]),
-            Operation::Coordinate(coordinate) => coordinates[coordinate as usize],
-            Operation::Add(a, b) => x[a][k] + x[b][k],
-            Operation::Subtract(a, b) => x[a][k] - x[b][k],
-            Operation::Negate(a) => -x[a][k],
-            Operation::Multiply(a, b) => product(a, b),
-            Operation::Divide(a, b) if self.constant[b] => x[a][k] / x[b][0],
-            Operation::Divide(a, b) => quotient(k, &x[a], &x[b], y),
-            Operation::Power(a, exponent) => {
-                let square = &mut other[0];
-                square[k] = convolution(&x[a][..=k], &x[a][..=k]);
-                match exponent {
-                    2 => square[k],
-                    3 => convolution(&square[..=k], &x[a][..=k]),
-                    _ => convolution(&square[..=k], &square[..=k]),
-                }
-            }
-            Operation::RealPower(a, b) => {
-                // exp(b ln a).
-                let [logarithm, weighted] = other;
-                logarithm[k] = log_coefficient(k, &x[a], logarithm);
-                let exponent = if self.constant[b] {
-                    x[b][0] * logarithm[k]
-                } else {
-                    convolution(&x[b][..=k], &logarithm[..=k])
-                };
-                exponential_coefficient(k, exponent, weighted, y)
-            }
-            Operation::Exponential(a) => exponential_coefficient(k, x[a][k], &mut other[0], y),
-            Operation::Logarithm(a) => log_coefficient(k, &x[a], y),
-            Operation::SquareRoot(a) => {
-                if first {
-                    x[a][0].sqrt()
-                } else {
-                    let known = if k > 1 {
-                        convolution(&y[1..k], &y[1..k])
-                    } else {
-                        S::ZERO
-                    };
-                    (x[a][k] - known) / (y[0] * 2.0)
-                }
-            }
-            Operation::Sine(a) => {
-                let [weighted, cosine] = other;
-                let (c, s) = turn(k, &x[a], weighted, cosine, y);
-                cosine[k] = c;
-                s
-            }
-            Operation::Cosine(a) => {
-                let [weighted, sine] = other;
-                let (c, s) = turn(k, &x[a], weighted, y, sine);
-                sine[k] = s;
-                c
-            }
-            Operation::HyperbolicTangent(a) => {
-                // y' = (1 − y²) a'.
-                let [weighted, slope] = other;
-                weighted[k] = x[a][k] * k as f64;
-                let value = if first {
-                    hyperbolic_tangent(x[a][0])
-                } else {
-                    convolution(&weighted[1..=k], &slope[..k]) * RECIPROCAL[k]
-                };
-                y[k] = value;
-                let square = convolution(&y[..=k], &y[..=k]);
-                slope[k] = at_first(S::constant(1.0)) - square;
-                value
-            }
-            Operation::Absolute(a, site) => {
-                if branches[site] == 0 {
-                    x[a][k]
-                } else {
-                    -x[a][k]
-                }
-            }
-            Operation::Sign(_, site) => {
-                at_first(S::constant(if branches[site] == 0 { 1.0 } else { -1.0 }))
-            }
-            Operation::Minimum(a, b, site) => {
-                other[0][k] = x[a][k] - x[b][k];
-                x[if branches[site] == 0 { b } else { a }][k]
-            }
-            Operation::Maximum(a, b, site) => {
-                other[0][k] = x[a][k] - x[b][k];
-                x[if branches[site] == 0 { a } else { b }][k]
-            }
-            Operation::Table(a, table, site) => {
-                let ([c0, c1, c2, c3], [low, _]) = self.tables[table].piece(branches[site]);
-                let [offset, square] = other;
-                offset[k] = if first && low.is_finite() {
-                    x[a][0] + -low
-                } else {
-                    x[a][k]
-                };
-                let mut value = at_first(S::constant(c0)) + offset[k] * c1;
-                if c2 != 0.0 || c3 != 0.0 {
-                    square[k] = convolution(&offset[..=k], &offset[..=k]);
-                    value += square[k] * c2 + convolution(&square[..=k], &offset[..=k]) * c3;
-                }
-                value
-            }
-        };
-    }
-}
-
-fn quotient<S: Scalar>(k: usize, a: &Series<S>, b: &Series<S>, y: &Series<S>) -> S {
-    let known = if k > 0 {
-        convolution(&b[1..=k], &y[..k])
-    } else {
-        S::ZERO
-    };
-    (a[k] - known) / b[0]
-}
-
-fn log_coefficient<S: Scalar>(k: usize, a: &Series<S>, y: &Series<S>) -> S {
-    if k == 0 {
-        return a[0].ln();
-    }
-    // k a0 y_k = k a_k − Σ j y_j a_{k−j}, 0 < j < k.
-    let mut known = S::ZERO;
-    for j in 1..k {
-        known += y[j] * a[k - j] * j as f64;
-    }
-    (a[k] - known * RECIPROCAL[k]) / a[0]
-}
-
-fn exponential_coefficient<S: Scalar>(
-    k: usize,
-    exponent: S,
-    weighted: &mut Series<S>,
-    y: &Series<S>,
-) -> S {
-    weighted[k] = exponent * k as f64;
-    if k == 0 {
-        exponent.exp()
-    } else {
-        exponential(k, weighted, y)
-    }
-}
-
-fn turn<S: Scalar>(
-    k: usize,
-    angle: &Series<S>,
-    weighted: &mut Series<S>,
-    cosine: &Series<S>,
-    sine: &Series<S>,
-) -> (S, S) {
-    weighted[k] = angle[k] * k as f64;
-    if k == 0 {
-        let (sin, cos) = angle[0].sin_cos();
-        (cos, sin)
-    } else {
-        cosine_sine(k, weighted, cosine, sine)
-    }
-}
-
-/// tanh, without overflow.
-fn hyperbolic_tangent<S: Scalar>(a: S) -> S {
-    let one = S::constant(1.0);
-    if a.value() < 0.0 {
-        return -hyperbolic_tangent(-a);
-    }
-    let small = (a * -2.0).exp();
-    (one - small) / (one + small)
 }

@@ -6,8 +6,8 @@ pub mod units;
 
 pub use list::Parameter;
 pub(crate) use list::{check, parameters, position, set_at, value_at};
-pub(crate) use section_file::SectionReader;
 pub use section_file::{ModelFileError, Provenance};
+pub(crate) use section_file::{SectionReader, number};
 
 use crate::series::Scalar;
 use std::fmt;

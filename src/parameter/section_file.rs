@@ -311,7 +311,8 @@ impl<'a> SectionReader<'a> {
     }
 }
 
-fn number(value: &Value) -> Option<f64> {
+/// A number, whole or not.
+pub(crate) fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Float(x) => Some(*x),
         Value::Integer(n) => Some(*n as f64),

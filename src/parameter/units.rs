@@ -99,7 +99,8 @@ impl Unit {
                 let letters = factor.trim_end_matches(|c: char| c.is_ascii_digit() || c == '-');
                 let exponent = match &factor[letters.len()..] {
                     "" => 1,
-                    digits => digits.parse::<i32>().map_err(|_| UnitError {
+                    // Larger ones are no physics, and their sums could overflow.
+                    digits => digits.parse::<i8>().map(i32::from).map_err(|_| UnitError {
                         unit: name.to_owned(),
                         part: factor.to_owned(),
                     })?,

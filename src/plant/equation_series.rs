@@ -92,6 +92,24 @@ pub(super) fn ports<S: Scalar>(rig: &Rig<S>) -> u16 {
 }
 
 impl<S: Scalar> Bodies<'_, S> {
+    /// Coordinates where neither the shaft nor the voltage matters.
+    fn on_discs<'x>(
+        &self,
+        at: &At<'_, S>,
+        x: &'x [Series<S>; STATES],
+        work: &EquationJet<S>,
+    ) -> Coordinates<'x, S> {
+        Coordinates {
+            k: at.k,
+            time: at.time(),
+            ratio: self.ratio,
+            x,
+            twist: (S::ZERO, S::ZERO),
+            voltage: S::ZERO,
+            loads: work.loads.map(|load| load[at.k]),
+        }
+    }
+
     fn acts_at(&self, port: Port) -> bool {
         self.ports & (1 << port as u16) != 0
     }
@@ -106,13 +124,9 @@ impl<S: Scalar> Bodies<'_, S> {
         work: &mut EquationJet<S>,
     ) -> Added<S> {
         let known = Coordinates {
-            k: at.k,
-            time: at.time(),
-            ratio: self.ratio,
-            x,
             twist,
             voltage,
-            loads: [work.loads[0][at.k], S::ZERO],
+            ..self.on_discs(at, x, work)
         };
         let mut sum = |port: Port| {
             if self.acts_at(port) {
@@ -138,15 +152,7 @@ impl<S: Scalar> Bodies<'_, S> {
         x: &[Series<S>; STATES],
         work: &mut EquationJet<S>,
     ) -> (S, S) {
-        let known = Coordinates {
-            k: at.k,
-            time: at.time(),
-            ratio: self.ratio,
-            x,
-            twist: (S::ZERO, S::ZERO),
-            voltage: S::ZERO,
-            loads: work.loads.map(|load| load[at.k]),
-        };
+        let known = self.on_discs(at, x, work);
         let mut sum = |port: Port| {
             self.rig
                 .equations
@@ -172,15 +178,7 @@ impl<S: Scalar> Bodies<'_, S> {
         if !self.acts_at(port) {
             return load;
         }
-        let known = Coordinates {
-            k: at.k,
-            time: at.time(),
-            ratio: self.ratio,
-            x,
-            twist: (S::ZERO, S::ZERO),
-            voltage: S::ZERO,
-            loads: work.loads.map(|load| load[at.k]),
-        };
+        let known = self.on_discs(at, x, work);
         let equations = &self.rig.equations;
         equations.varied_load(port, at.k, load, known.at(port), at.branches, work)
     }
@@ -209,14 +207,15 @@ impl<S: Scalar> Rig<S> {
         else {
             return;
         };
-        let known = Coordinates {
+        let at = At {
             k: 0,
             time,
-            ratio: bodies.ratio,
-            x: &jet.states,
+            branches: &[0; SITES],
+        };
+        let known = Coordinates {
             twist: (twist, state[OMEGA] - state[OMEGA3]),
             voltage: jet.voltage[0],
-            loads: work.loads.map(|load| load[0]),
+            ..bodies.on_discs(&at, &jet.states, work)
         };
         for port in Port::ALL {
             let branches = &mut mode.branches;

@@ -18,7 +18,7 @@ pub const MOST_INDICATORS: usize = 16 + 2 * SITES;
 const VELOCITY: f64 = 1e-10;
 /// Twist \[rad\] by which a coupling must have passed the edge of its dead band.
 const TWIST: f64 = 1e-10;
-/// What decides a kink of an equation, in SI units, by which it must have passed it.
+/// What decides a kink of an equation by which it must have passed it, in units of the rig's own inertia, period and current.
 const KINK: f64 = 1e-10;
 /// Share of the breakaway torque (and of the acceleration that it gives) by which torques must have passed their limits.
 const SHARE: f64 = 1e-10;
@@ -60,6 +60,8 @@ pub struct Indicators {
     count: usize,
     /// Whether bristles give way in small steps.
     stepwise: bool,
+    /// By how much what decides each kink of an equation must have passed it, in its SI unit.
+    kinks: Vec<f64>,
 }
 
 impl Indicators {
@@ -93,13 +95,14 @@ impl Indicators {
         if rig.effects.friction_wear.is_some() {
             add(Group::Wear, 1);
         }
-        for (place, both_ways) in rig.equations.sites().into_iter().enumerate() {
+        for (place, (both_ways, _)) in rig.equations.kinks().enumerate() {
             add(Group::Branch(place), if both_ways { 2 } else { 1 });
         }
         Self {
             groups,
             count,
             stepwise: false,
+            kinks: kink_margins(rig),
         }
     }
 
@@ -165,7 +168,7 @@ impl Indicators {
         values.fill(S::constant(1.0));
         let mut gathering = Gathering {
             indicators: self,
-            margins: Margins::new(rig, jet, self.stepwise),
+            margins: Margins::new(rig, jet, self),
             values,
         };
         rig.watch(mode, jet, &mut gathering);
@@ -214,7 +217,7 @@ impl Indicators {
         jet: &RigJet<f64>,
     ) -> Option<Indicator> {
         let mut search = Search {
-            margins: Margins::new(rig, jet, self.stepwise),
+            margins: Margins::new(rig, jet, self),
             lost: None,
         };
         rig.watch(mode, jet, &mut search);
@@ -252,15 +255,36 @@ const PIN: [&str; 4] = [
     "reaches the end of a branch of its law",
 ];
 
-/// How far beyond zero the guards of each contact are lost.
-struct Margins {
-    /// Torque \[N m\] and acceleration \[rad/s²\] of D2, D1 and the motor.
-    contacts: [(f64, f64); 3],
+/// By how much each kink of the equations of `rig` must have been passed.
+fn kink_margins<S: Scalar>(rig: &Rig<S>) -> Vec<f64> {
+    let (inertia, length) = (rig.disc.inertia.value(), rig.contact.radius.value());
+    let stiffness = rig.shaft.stiffness.value();
+    let resistance = rig.motor.resistance.value();
+    // A disc without a spring has no period of its own; the motor's time constant is another time of the rig.
+    let time = if stiffness > 0.0 {
+        libm::sqrt(inertia / stiffness)
+    } else {
+        rig.motor.inductance.value() / resistance
+    };
+    // The current whose heat is the power that stops the disc in that time.
+    let current = libm::sqrt(inertia / (libm::pow(time, 3.0) * resistance));
+    let units = [inertia / (length * length), length, time, current];
+    let kinks = rig.equations.kinks();
+    kinks
+        .map(|(_, dimension)| KINK * dimension.scale(units))
+        .collect()
 }
 
-impl Margins {
-    fn new<S: Scalar>(rig: &Rig<S>, jet: &RigJet<S>, stepwise: bool) -> Self {
-        let share = if stepwise && rig.effects.presliding.is_some() {
+/// How far beyond zero the guards of each contact are lost.
+struct Margins<'a> {
+    /// Torque \[N m\] and acceleration \[rad/s²\] of D2, D1 and the motor.
+    contacts: [(f64, f64); 3],
+    kinks: &'a [f64],
+}
+
+impl<'a> Margins<'a> {
+    fn new<S: Scalar>(rig: &Rig<S>, jet: &RigJet<S>, indicators: &'a Indicators) -> Self {
+        let share = if indicators.stepwise && rig.effects.presliding.is_some() {
             GIVING_WAY
         } else {
             SHARE
@@ -280,6 +304,7 @@ impl Margins {
         let motor = SHARE * ratio * rig.motor.coulomb_torque.value() + FLOOR * inertia;
         Self {
             contacts: [disc, disc1, (motor, motor / inertia)],
+            kinks: &indicators.kinks,
         }
     }
 
@@ -292,7 +317,7 @@ impl Margins {
             }
             RigGuard::Turn(of, _) => contact(of).1,
             RigGuard::Play(_) => TWIST,
-            RigGuard::Branch(..) => KINK,
+            RigGuard::Branch(place, _) => self.kinks[usize::from(place)],
             RigGuard::Load(_) => 0.0,
         }
     }
@@ -301,7 +326,7 @@ impl Margins {
 /// Puts every guard at its place.
 struct Gathering<'a, S> {
     indicators: &'a Indicators,
-    margins: Margins,
+    margins: Margins<'a>,
     values: &'a mut [S],
 }
 
@@ -332,16 +357,42 @@ impl<S: Scalar> Watcher<S> for Gathering<'_, S> {
 }
 
 /// Looks for the first guard that is lost.
-struct Search {
-    margins: Margins,
+struct Search<'a> {
+    margins: Margins<'a>,
     lost: Option<RigGuard>,
 }
 
-impl Watcher<f64> for Search {
+impl Watcher<f64> for Search<'_> {
     fn watch(&mut self, kind: RigGuard, coefficient: impl Fn(usize) -> f64) {
         let looking = self.lost.is_none() && !matches!(kind, RigGuard::Load(_));
         if looking && coefficient(0) + self.margins.of(kind) <= 0.0 {
             self.lost = Some(kind);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_smaller_rig_passes_its_kinks_by_as_much_less() {
+        let margins = |share: f64| {
+            let text = include_str!("../../modelDescription/reduced-rig.toml").to_owned()
+                + "[[effect]]\nname = \"pull\"\ntitle = \"pull\"\nport = \"disc.torque\"\nequation = \"a*(max(load/f, 1) + abs(angle)) - min(b*load, a)\"\n\
+                   parameters.a = { value = 1, unit = \"N.m\", description = \"a\" }\n\
+                   parameters.b = { value = 1, unit = \"m\", description = \"b\" }\n\
+                   parameters.f = { value = 1, unit = \"N\", range = \"positive\", description = \"f\" }\n";
+            let mut rig = Rig::<f64>::from_toml(&text, "rig").unwrap();
+            rig.disc.inertia *= share;
+            rig.shaft.stiffness *= share;
+            kink_margins(&rig)
+        };
+        let (usual, small) = (margins(1.0), margins(1e-6));
+        let shares: Vec<f64> = small.iter().zip(&usual).map(|(a, b)| a / b).collect();
+        for (share, expected) in shares.iter().zip([1.0, 1.0, 1e-6]) {
+            assert!((share / expected - 1.0).abs() < 1e-12, "{shares:?}");
+        }
+        assert_eq!(usual[0], KINK);
     }
 }

@@ -11,6 +11,7 @@ mod effects;
 mod equation;
 mod equation_series;
 mod expansion;
+mod folds;
 mod guards;
 mod indicators;
 mod inputs;
@@ -31,10 +32,7 @@ mod tangent;
 
 pub use crate::parameter::{ModelFileError, Parameter, Provenance};
 pub use effects::*;
-pub use equation::{
-    Definition, DefinitionError, EquationEffect, EquationEffects, Port, SiUnits,
-    definition_from_toml,
-};
+pub use equation::{Definition, EquationEffect, EquationEffects, Port, SiUnits};
 pub use indicators::{Indicators, MOST_INDICATORS};
 pub use inputs::{INPUT_TERMS, RigInputs};
 pub use instant::{Changes, Chattering};

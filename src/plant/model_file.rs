@@ -110,7 +110,12 @@ fn write_value(value: &str, provenance: Option<&Provenance>) -> String {
     let Some(provenance) = provenance else {
         return value.to_owned();
     };
-    let mut text = format!("{{ value = {value}");
+    format!("{{ value = {value}{} }}", provenance_keys(provenance))
+}
+
+/// The keys that state a provenance, each after a comma.
+pub(super) fn provenance_keys(provenance: &Provenance) -> String {
+    let mut text = String::new();
     if let Some(source) = &provenance.source {
         let _ = write!(text, ", source = {}", Value::String(source.clone()));
     }
@@ -121,14 +126,9 @@ fn write_value(value: &str, provenance: Option<&Provenance>) -> String {
         let _ = write!(text, ", relative_uncertainty = {}", write_number(relative));
     }
     if let Some([low, high]) = provenance.interval95 {
-        let _ = write!(
-            text,
-            ", interval95 = [{}, {}]",
-            write_number(low),
-            write_number(high)
-        );
+        let (low, high) = (write_number(low), write_number(high));
+        let _ = write!(text, ", interval95 = [{low}, {high}]");
     }
-    text.push_str(" }");
     text
 }
 

@@ -1,15 +1,12 @@
 //! How a rig changes its modes.
 
+use super::folds::folds;
 use super::index::{BRISTLE1, OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
-use super::jet::PinJet;
 use super::{Contact, Coupling, Rig, RigGuard, RigInputs, RigJet, RigMode, RigState};
 use crate::expression::SITES;
 use crate::friction::{ContactMode, Direction, Law, Regime};
 use crate::integrator::{Guard, HybridSystem};
-use crate::series::{Scalar, Series, TERMS, evaluate, evaluate_derivative, first_vertical_tangent};
-
-/// Margin 1 + (∂T/∂a)/J below which the algebraic loop may be about to fold.
-const FOLD_MARGIN: f64 = 0.5;
+use crate::series::{Scalar, Series, evaluate, evaluate_derivative};
 
 impl<S: Scalar> Rig<S> {
     pub(super) fn law_of(&self, contact: Contact) -> Option<&Law<S>> {
@@ -171,24 +168,6 @@ impl<S: Scalar> Rig<S> {
             _ => mode.set_contact(contact, ContactMode::Slipping(direction, Regime::Holding)),
         }
     }
-}
-
-/// Local times at which the loops of D2 and D1 fold, as far as they do soon.
-fn folds<S: Scalar>(jet: &RigJet<S>) -> [Option<f64>; 2] {
-    if let Some((_, plain)) = jet.motion() {
-        return folds(plain);
-    }
-    let fold = |pin: &PinJet<S>| {
-        if pin.slip.margin >= FOLD_MARGIN {
-            return None;
-        }
-        let mut plain = [0.0; TERMS];
-        for (p, c) in plain.iter_mut().zip(&pin.slip.acceleration[..=jet.order]) {
-            *p = c.value();
-        }
-        first_vertical_tangent(&plain[..=jet.order])
-    };
-    [fold(&jet.disc), jet.disc1.as_deref().and_then(fold)]
 }
 
 /// Position of a contact's velocity in the state.
@@ -455,8 +434,15 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
             }
             RigGuard::Play(coupling) => mode.coupling = coupling,
             RigGuard::Branch(place, upwards) => {
-                self.equations
-                    .leave_branch(usize::from(place), upwards, &mut mode.branches);
+                let place = usize::from(place);
+                let mut present = mode;
+                self.find_branches(&mut present, time, state, inputs, jet);
+                mode.branches[place] = self.equations.next_branch(
+                    place,
+                    upwards,
+                    mode.branches[place],
+                    present.branches[place],
+                );
             }
             // The load's series changes its form; no mode does.
             RigGuard::Load(_) => {}

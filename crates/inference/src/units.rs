@@ -177,7 +177,7 @@ mod tests {
         let text = include_str!("../../../modelDescription/reduced-rig.toml");
         let text = format!(
             "{text}\n[load_exponent]\nexponent = 0.8\n[friction_wear]\nrate_per_minute = 0.7\n[unbalance]\ntorque = 0.05\nphase = 0.4\n\
-             [[effect]]\nname = \"pull\"\ntitle = \"pull\"\nport = \"motor.voltage\"\nequation = \"-drop*current*time/(1 + time/span) - lag*velocity\"\n\
+             [[effect]]\nname = \"pull\"\ntitle = \"pull\"\nport = \"motor.voltage\"\nequation = \"-drop*current*time/(1 + abs(time)/span) - lag*velocity\"\n\
              parameters.drop = {{ value = 0.03, unit = \"Ohm/s\", description = \"drop\" }}\n\
              parameters.span = {{ value = 3, unit = \"s\", range = \"positive\", description = \"span\" }}\n\
              parameters.lag = {{ value = 0.001, unit = \"V.s/rad\", description = \"lag\" }}\n\

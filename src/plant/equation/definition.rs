@@ -51,8 +51,6 @@ pub(super) struct Draft {
     pub port: Port,
     pub equation: String,
     pub source: Option<String>,
-    pub signature: Option<String>,
-    pub confused_with: Vec<String>,
     /// Key, unit, range, description.
     pub parameters: Vec<(String, String, Range, String)>,
     pub tables: Vec<Points>,
@@ -121,21 +119,6 @@ impl Definition {
     /// The equation's text.
     pub fn equation(&self) -> &str {
         &self.draft.equation
-    }
-
-    /// Where the equation comes from.
-    pub fn source(&self) -> Option<&str> {
-        self.draft.source.as_deref()
-    }
-
-    /// How it shows in records.
-    pub fn signature(&self) -> Option<&str> {
-        self.draft.signature.as_deref()
-    }
-
-    /// Names of effects that look alike.
-    pub fn confused_with(&self) -> &[String] {
-        &self.draft.confused_with
     }
 
     /// Its parameters.

@@ -2,14 +2,15 @@
 
 mod definition;
 mod effect;
-mod file;
 mod port;
+mod read;
 mod series;
+mod write;
 
-pub use definition::{Definition, DefinitionError};
+pub use definition::Definition;
 use effect::MOST_PARAMETERS;
 pub use effect::{EquationEffect, EquationEffects, SiUnits};
-pub use file::definition_from_toml;
-pub(super) use file::{read_effects, write_effect};
 pub use port::Port;
+pub(super) use read::read_effects;
 pub(super) use series::{EquationJet, coordinates};
+pub(super) use write::write_effect;

@@ -1,8 +1,9 @@
 //! What the effects by equation add, order by order, and where they change branch.
 
-use super::{EquationEffects, Port, SiUnits};
-use crate::expression::{COORDINATES, Coordinate, ExpressionJet, Site};
+use super::{EquationEffect, EquationEffects, Port, SiUnits};
+use crate::expression::{COORDINATES, Coordinate, Dimension, ExpressionJet, Program, Site};
 use crate::series::{Scalar, Series, TERMS, convolution};
+use std::ops::Range;
 
 /// Series of a rig's effects by equation.
 #[derive(Clone, Debug)]
@@ -33,6 +34,19 @@ impl<S: Scalar> EquationJet<S> {
 }
 
 impl<S: Scalar> EquationEffects<S> {
+    /// Of each active effect, its program, its values, and where its kinks stand among those of all.
+    fn programs(
+        &self,
+    ) -> impl Iterator<Item = (&EquationEffect<S>, &'static Program, Range<usize>)> {
+        let mut first = 0;
+        self.active().map(move |effect| {
+            let program = effect.definition.program();
+            let sites = first..first + program.sites().len();
+            first = sites.end;
+            (effect, program, sites)
+        })
+    }
+
     /// Coefficient `k` of the sum of all that acts at `port`.
     pub(in crate::plant) fn sum(
         &self,
@@ -44,15 +58,11 @@ impl<S: Scalar> EquationEffects<S> {
     ) -> S {
         self.in_si(&mut coordinates, port);
         let mut sum = S::ZERO;
-        let mut first = 0;
-        for (effect, jet) in self.active().zip(&mut work.jets) {
-            let program = effect.definition.program();
-            let last = first + program.sites().len();
+        for ((effect, program, sites), jet) in self.programs().zip(&mut work.jets) {
             if effect.definition.port() == port {
-                let own = &branches[first..last];
+                let own = &branches[sites];
                 sum += program.expand_order(k, &coordinates, effect.values(), own, jet);
             }
-            first = last;
         }
         if self.units == SiUnits::SI {
             sum
@@ -75,18 +85,14 @@ impl<S: Scalar> EquationEffects<S> {
         let disc = usize::from(port.is_outer());
         work.unvaried[disc][k] = load;
         let mut product: &Series<S> = &work.unvaried[disc];
-        let mut first = 0;
         let jets = work.jets.iter_mut().zip(&mut work.products);
-        for (effect, (jet, varied)) in self.active().zip(jets) {
-            let program = effect.definition.program();
-            let last = first + program.sites().len();
+        for ((effect, program, sites), (jet, varied)) in self.programs().zip(jets) {
             if effect.definition.port() == port {
-                let own = &branches[first..last];
+                let own = &branches[sites];
                 program.expand_order(k, &coordinates, effect.values(), own, jet);
                 varied[k] = convolution(&product[..=k], &jet.value()[..=k]);
                 product = varied;
             }
-            first = last;
         }
         product[k]
     }
@@ -100,15 +106,11 @@ impl<S: Scalar> EquationEffects<S> {
         work: &mut EquationJet<S>,
     ) {
         self.in_si(&mut coordinates, port);
-        let mut first = 0;
-        for (effect, jet) in self.active().zip(&mut work.jets) {
-            let program = effect.definition.program();
-            let last = first + program.sites().len();
+        for ((effect, program, sites), jet) in self.programs().zip(&mut work.jets) {
             if effect.definition.port() == port {
-                let own = &mut branches[first..last];
+                let own = &mut branches[sites];
                 program.branches(&coordinates, effect.values(), own, jet);
             }
-            first = last;
         }
     }
 
@@ -120,10 +122,8 @@ impl<S: Scalar> EquationEffects<S> {
         work: &EquationJet<S>,
         mut watch: impl FnMut(usize, bool, &dyn Fn(usize) -> S),
     ) {
-        let mut place = 0;
-        for (effect, jet) in self.active().zip(&work.jets) {
-            let program = effect.definition.program();
-            for site in 0..program.sites().len() {
+        for ((_, program, sites), jet) in self.programs().zip(&work.jets) {
+            for (site, place) in sites.enumerate() {
                 let branch = branches[place];
                 for upwards in [false, true] {
                     if program.has_end(site, upwards, branch) {
@@ -132,31 +132,30 @@ impl<S: Scalar> EquationEffects<S> {
                         });
                     }
                 }
-                place += 1;
             }
         }
     }
 
-    /// Moves the site at `place` to its next branch.
-    pub(in crate::plant) fn leave_branch(&self, place: usize, upwards: bool, branches: &mut [i32]) {
-        let mut first = 0;
-        for effect in self.active() {
-            let program = effect.definition.program();
-            let count = program.sites().len();
-            if place < first + count {
-                branches[place] = program.next_branch(place - first, upwards, branches[place]);
-                return;
-            }
-            first += count;
-        }
+    /// The branch on which the kink at `place` goes on, where the present values lie on `found`.
+    pub(in crate::plant) fn next_branch(
+        &self,
+        place: usize,
+        upwards: bool,
+        branch: i32,
+        found: i32,
+    ) -> i32 {
+        let own = self.programs().find(|(_, _, sites)| sites.contains(&place));
+        own.map_or(branch, |(_, program, sites)| {
+            program.next_branch(place - sites.start, upwards, branch, found)
+        })
     }
 
-    /// For every site, whether it can be left both ways.
-    pub(in crate::plant) fn sites(&self) -> Vec<bool> {
-        let programs = self.active().map(|effect| effect.definition.program());
-        programs
-            .flat_map(|program| program.sites().iter().map(Site::has_pieces))
-            .collect()
+    /// For every kink, whether it can be left both ways, and the dimension of what decides it.
+    pub(in crate::plant) fn kinks(&self) -> impl Iterator<Item = (bool, Dimension)> {
+        self.programs().flat_map(|(_, program, _)| {
+            let sites = program.sites().iter().map(Site::has_pieces);
+            sites.zip(program.watched_dimensions())
+        })
     }
 }
 

@@ -1,0 +1,81 @@
+//! What equations may depend on.
+
+use super::Dimension;
+
+/// What an equation may depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinate {
+    /// Angle of what the effect acts on [rad].
+    Angle,
+    /// Its velocity [rad/s].
+    Velocity,
+    /// Twist of the shaft [rad].
+    Twist,
+    /// Rate of the twist [rad/s].
+    TwistRate,
+    /// Armature current [A].
+    Current,
+    /// Voltage at the terminals, as commanded [V].
+    Voltage,
+    /// Normal force on the pin [N], ≥ 0.
+    Load,
+    /// Time [s].
+    Time,
+}
+
+/// Number of [`Coordinate`]s.
+pub(crate) const COORDINATES: usize = 8;
+
+impl Coordinate {
+    /// All of them.
+    pub const ALL: [Self; COORDINATES] = [
+        Self::Angle,
+        Self::Velocity,
+        Self::Twist,
+        Self::TwistRate,
+        Self::Current,
+        Self::Voltage,
+        Self::Load,
+        Self::Time,
+    ];
+
+    /// Name in equations.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Angle => "angle",
+            Self::Velocity => "velocity",
+            Self::Twist => "twist",
+            Self::TwistRate => "twist_rate",
+            Self::Current => "current",
+            Self::Voltage => "voltage",
+            Self::Load => "load",
+            Self::Time => "time",
+        }
+    }
+
+    /// Its unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Angle | Self::Twist => "rad",
+            Self::Velocity | Self::TwistRate => "rad/s",
+            Self::Current => "A",
+            Self::Voltage => "V",
+            Self::Load => "N",
+            Self::Time => "s",
+        }
+    }
+
+    pub(super) fn dimension(self) -> Dimension {
+        Dimension::of_unit(self.unit()).unwrap_or_default()
+    }
+
+    /// Whether it is never below zero. Time is not among them: a simulation may start before zero.
+    pub(super) fn is_positive(self) -> bool {
+        self == Self::Load
+    }
+
+    /// Whether a torque changes its rate at once: a jump there is dry friction, which can hold it.
+    pub(super) fn is_rate(self) -> bool {
+        matches!(self, Self::Velocity | Self::TwistRate | Self::Current)
+    }
+}
