@@ -26,7 +26,8 @@ impl Dimension {
     }
 
     /// SI value of the unit that these SI values of a mass, a length, a time and a current make.
-    pub(crate) fn scale(self, [mass, length, time, current]: [f64; 4]) -> f64 {
+    #[must_use]
+    pub fn scale(self, [mass, length, time, current]: [f64; 4]) -> f64 {
         let [kg, m, s, a, _] = self.0;
         let power = |base: f64, exponent: i32| libm::pow(base, f64::from(exponent));
         power(mass, kg) * power(length, m) * power(time, s) * power(current, a)

@@ -2,18 +2,21 @@
 //! where fits of them start.
 
 mod catalogue;
+mod equation;
 mod laws;
 
 use std::convert::Infallible;
 
 pub use self::catalogue::EFFECTS;
+use self::equation::Equation;
 use self::laws::{hysteresis, stiction, stribeck};
 use crate::hypothesis::{Free, Hypothesis};
 use crate::law_start::Scatter;
 use crate::policy::LEAST_SHARE;
 use crate::scales::Scales;
-use stickslip::parameter::ParameterInfo;
-use stickslip::plant::Rig;
+use crate::units::PlantUnits;
+use stickslip::parameter::{ParameterError, ParameterInfo};
+use stickslip::plant::{Rig, Supposition};
 
 /// Share of its base that an effect of usual size has: of the friction torque, of the twist, of the load, of one.
 const USUAL: f64 = 0.3;
@@ -54,7 +57,7 @@ enum Base {
 }
 
 /// How an effect enters a hypothesis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Form {
     /// One number that is `origin` where there is no effect; `far` are further starts, in usual sizes.
     One {
@@ -83,23 +86,36 @@ enum Form {
     Stribeck,
     /// Eq. 6-2.
     Hysteresis,
+    /// What a file describes.
+    Equation(Equation),
 }
 
 /// One physical effect that a model may lack.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
     /// Name in findings.
     pub name: &'static str,
     form: Form,
 }
 
-/// The effect of this name.
-#[must_use]
-pub fn effect(name: &str) -> Option<&'static Effect> {
-    EFFECTS.iter().find(|effect| effect.name == name)
-}
-
 impl Effect {
+    /// The effect that a file supposes, on a plant of this size.
+    ///
+    /// # Errors
+    /// The rig cannot have the effect, or no value of its numbers makes it vanish.
+    pub fn supposed(
+        supposition: &Supposition,
+        rig: &Rig<f64>,
+        scales: &Scales,
+        units: &PlantUnits,
+    ) -> Result<Self, ParameterError> {
+        let equation = Equation::of(supposition, rig, scales, units)?;
+        Ok(Self {
+            name: equation.name(),
+            form: Form::Equation(equation),
+        })
+    }
+
     /// Whether the effect replaces the friction law.
     #[must_use]
     pub fn is_law(&self) -> bool {
@@ -118,7 +134,10 @@ impl Effect {
     /// Whether a rig has what the effect acts on.
     #[must_use]
     pub fn is_possible(&self, rig: &Rig<f64>) -> bool {
-        self.is_law() || rig.effect_names().any(|name| name == self.name)
+        match &self.form {
+            Form::Equation(equation) => equation.is_possible(rig),
+            _ => self.is_law() || rig.effect_names().any(|name| name == self.name),
+        }
     }
 
     /// What the dotted names of its numbers begin with: its own section, or the law's.
@@ -133,9 +152,11 @@ impl Effect {
         if self.is_law() || matches!(self.form, Form::Bristles) {
             return false;
         }
-        fitted
-            .size_of(self.name)
-            .is_some_and(|size| USUAL * size < LEAST_SHARE)
+        let size = match &self.form {
+            Form::Equation(equation) => fitted.size_of_first(self.name, equation.amplitudes()),
+            _ => fitted.size_of(self.name),
+        };
+        size.is_some_and(|size| USUAL * size < LEAST_SHARE)
     }
 
     /// Whether a start is so far from the best numbers that a step or two are needed to see what it promises.
@@ -144,7 +165,8 @@ impl Effect {
         matches!(
             self.form,
             Form::Bristles | Form::Hysteresis | Form::Stribeck | Form::Stiction | Form::Relaxation
-        ) || matches!(self.form, Form::One { far, .. } if !far.is_empty())
+        ) || matches!(&self.form, Form::One { far, .. } if !far.is_empty())
+            || matches!(&self.form, Form::Equation(equation) if equation.has_shape())
     }
 
     /// The hypotheses from which fits of this effect on top of `base` start; empty if the effect makes no sense there.
@@ -303,6 +325,7 @@ impl Effect {
                     })
                     .collect()
             }
+            Form::Equation(ref equation) => equation.starts(base),
             _ if scales.load == 0.0 => Vec::new(),
             Form::Stiction => stiction(base, scatter),
             Form::Stribeck => stribeck(base, scales, scatter),

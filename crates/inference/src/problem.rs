@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use crate::data::Data;
+use crate::effects::{EFFECTS, Effect};
 use crate::hypothesis::Hypothesis;
 use crate::record::{CHANNELS, Instruments, RawRecord, Run, channel, channel_units};
 use crate::scales::{Scales, mean_load};
 use crate::units::PlantUnits;
 use crate::window::{Begin, LENGTH, SHORT, UNSEEN};
 use stickslip::parameter::ParameterError;
-use stickslip::plant::Rig;
+use stickslip::plant::{Rig, Supposition};
 
 /// What is to be explained.
 #[derive(Clone, Debug)]
@@ -26,8 +27,17 @@ pub struct Problem {
     pub long: Data,
     /// The same records in short windows.
     pub short: Data,
-    /// Names of effects that are not considered.
+    /// The effects that may be missing, in a fixed order.
+    pub effects: Vec<Effect>,
+}
+
+/// The effects that are considered.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Catalogue {
+    /// Names of those that are not.
     pub without: Vec<String>,
+    /// Those that files describe, beside [`EFFECTS`].
+    pub supposed: Vec<Supposition>,
 }
 
 impl Problem {
@@ -40,7 +50,7 @@ impl Problem {
         uncertainties: Vec<(String, f64)>,
         records: &[RawRecord],
         instruments: &Instruments,
-        without: Vec<String>,
+        catalogue: &Catalogue,
     ) -> Result<Self, ParameterError> {
         let load = mean_load(records.iter().map(|record| record.normal_force.as_slice()));
         let units = PlantUnits::of(rig, load);
@@ -84,6 +94,11 @@ impl Problem {
         } else {
             (cut(UNSEEN), cut(LENGTH).undivided())
         };
+        let mut effects = EFFECTS.to_vec();
+        for supposition in &catalogue.supposed {
+            effects.push(Effect::supposed(supposition, &plant, &scales, &units)?);
+        }
+        effects.retain(|effect| !catalogue.without.iter().any(|name| name == effect.name));
         Ok(Self {
             units,
             rig: plant,
@@ -91,8 +106,14 @@ impl Problem {
             instruments,
             long,
             short,
-            without,
+            effects,
         })
+    }
+
+    /// The effect of this name.
+    #[must_use]
+    pub fn effect(&self, name: &str) -> Option<&Effect> {
+        self.effects.iter().find(|effect| effect.name == name)
     }
 
     /// The same problem with at most about `most` windows, spread over the records.

@@ -6,7 +6,7 @@ mod looks;
 pub use self::candidate::Candidate;
 use self::candidate::candidate;
 use self::looks::{followed, looks, swapped};
-use crate::effects::{EFFECTS, Effect, effect};
+use crate::effects::Effect;
 use crate::fit::{Fit, rescue};
 use crate::hypothesis::Hypothesis;
 use crate::law_start::Scatter;
@@ -118,7 +118,8 @@ fn explore(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnM
             }
         }
         for name in &current.effects {
-            let limit = effect(name)
+            let limit = problem
+                .effect(name)
                 .and_then(Effect::limit)
                 .map(|(limit, _)| limit)
                 .filter(|limit| is_possible(problem, limit));
@@ -184,7 +185,7 @@ pub fn fit_effects(
     progress("the analyst's model");
     let mut current = candidate(problem, fit_from(problem, problem.hypothesis(), None, true));
     for name in names {
-        let effect = effect(name)?;
+        let effect = problem.effect(name)?;
         progress(effect.name);
         let looks = looks(problem, &current, &[effect], &mut |_| {});
         let first = looks.first().map(|look| look.fit.hypothesis.clone());
@@ -257,9 +258,9 @@ fn add(
     known: &mut Vec<Candidate>,
     progress: &mut dyn FnMut(&str),
 ) {
-    let effects: Vec<&'static Effect> = EFFECTS
+    let effects: Vec<&Effect> = problem
+        .effects
         .iter()
-        .filter(|effect| !problem.without.iter().any(|name| name == effect.name))
         .filter(|effect| !current.effects.contains(&effect.name))
         .filter(|effect| effect.is_possible(&problem.rig))
         .collect();
@@ -316,8 +317,10 @@ fn replace(
 /// Whether an effect makes sense on the analyst's model.
 fn is_possible(problem: &Problem, name: &str) -> bool {
     let base = problem.hypothesis();
-    effect(name).is_some_and(|effect| !effect.starts(&base, &problem.long.scales, None).is_empty())
-        && !problem.without.iter().any(|own| own == name)
+    let starts = |effect: &Effect| effect.starts(&base, &problem.long.scales, None);
+    problem
+        .effect(name)
+        .is_some_and(|effect| !starts(effect).is_empty())
 }
 
 fn remove(
@@ -349,7 +352,7 @@ fn remove(
 fn rebuilt(problem: &Problem, names: &[&'static str], like: &Hypothesis) -> Hypothesis {
     let mut hypothesis = problem.hypothesis();
     for name in names {
-        let start = effect(name).and_then(|effect| {
+        let start = problem.effect(name).and_then(|effect| {
             let nowhere = Scatter::default();
             let starts = effect.starts(&hypothesis, &problem.long.scales, Some(&nowhere));
             let alike = |start: &Hypothesis| {

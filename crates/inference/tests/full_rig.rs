@@ -3,7 +3,7 @@
 
 use inference::diagnosis::{Verdict, diagnose};
 use inference::effects::EFFECTS;
-use inference::problem::Problem;
+use inference::problem::{Catalogue, Problem};
 use inference::record::{Instruments, RawRecord, channel};
 use stickslip::integrator::{Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES, index};
@@ -109,7 +109,10 @@ fn named(effect: &str, catalogue: &[&str]) -> (Verdict, Vec<&'static str>) {
             .to_vec(),
         &[record(&truth, 1)],
         &instruments(),
-        without.map(str::to_owned).collect(),
+        &Catalogue {
+            without: without.map(str::to_owned).collect(),
+            supposed: Vec::new(),
+        },
     )
     .unwrap();
     let found = diagnose(&problem, &mut |_| {});

@@ -48,9 +48,9 @@ pub struct Case {
 
 #[pymethods]
 impl Case {
-    /// A case; `model` and `sensors` are name and text of a file each.
+    /// A case; `model`, `sensors` and each of `effects` are name and text of a file.
     #[new]
-    #[pyo3(signature = (name, model, records, held_out, sensors, without))]
+    #[pyo3(signature = (name, model, records, held_out, sensors, effects, without))]
     fn new(
         py: Python<'_>,
         name: String,
@@ -58,6 +58,7 @@ impl Case {
         records: Vec<GivenRecord>,
         held_out: Option<GivenRecord>,
         sensors: Option<(String, String)>,
+        effects: Vec<(String, String)>,
         without: Vec<String>,
     ) -> PyResult<Self> {
         let (model_name, model_text) = model;
@@ -81,6 +82,7 @@ impl Case {
                 records,
                 held_out,
                 sensors,
+                effects,
                 without,
             },
         })

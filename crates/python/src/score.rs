@@ -22,6 +22,7 @@ pub fn score(
             cases: &cases,
             out: &out,
             leave_one_out,
+            catalogue: None,
             jobs,
             library: library.as_deref(),
         };

@@ -2,7 +2,7 @@
 
 use super::Port;
 use crate::expression::{
-    Dimension, ExpressionError, Interpolation, Names, Program, Table, TableError, parse,
+    Coordinate, Dimension, ExpressionError, Interpolation, Names, Program, Table, TableError, parse,
 };
 use crate::parameter::{ParameterInfo, Range, units::UnitError};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -124,6 +124,21 @@ impl Definition {
     /// Its parameters.
     pub fn infos(&self) -> &'static [ParameterInfo] {
         self.infos
+    }
+
+    /// Value of the equation at these coordinates with these parameters, SI units; of a resistance, the voltage that it drops.
+    pub fn value(&self, at: impl Fn(Coordinate) -> f64, parameters: &[f64]) -> f64 {
+        let coordinates = Coordinate::ALL.map(at);
+        let mut branches = vec![0; self.program.sites().len()];
+        let mut jet = self.program.new_jet::<f64>();
+        self.program
+            .branches(&coordinates, parameters, &mut branches, &mut jet);
+        jet.value()[0]
+    }
+
+    /// Whether the equation depends on this coordinate.
+    pub fn uses(&self, coordinate: Coordinate) -> bool {
+        self.program.uses(coordinate)
     }
 
     pub(super) fn draft(&self) -> &Draft {

@@ -11,6 +11,7 @@ pub use definition::Definition;
 use effect::MOST_PARAMETERS;
 pub use effect::{EquationEffect, EquationEffects, SiUnits};
 pub use port::Port;
+pub use read::Supposition;
 pub(super) use read::read_effects;
 pub(super) use series::{EquationJet, coordinates};
 pub(super) use write::write_effect;

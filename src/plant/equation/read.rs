@@ -31,31 +31,59 @@ pub(in crate::plant) fn read_effects(
     reader: &mut SectionReader<'_>,
 ) -> Result<EquationEffects<f64>, ModelFileError> {
     let mut effects = EquationEffects::default();
+    for (place, table) in sections(reader)?.iter().enumerate() {
+        read_effect(&Entry::new(reader.file, place, table), reader, &mut effects)?;
+    }
+    Ok(effects)
+}
+
+/// The sections `[[effect]]` of a file.
+fn sections(reader: &mut SectionReader<'_>) -> Result<Vec<Table>, ModelFileError> {
     let list = match reader.table.remove("effect") {
-        None => return Ok(effects),
+        None => return Ok(Vec::new()),
         Some(Value::Array(list)) => list,
         Some(other) => {
             let expected = "a list: write [[effect]], once for each effect";
             return Err(reader.wrong_type("effect", "", &other, expected));
         }
     };
-    for (place, value) in list.iter().enumerate() {
-        let Value::Table(table) = value else {
-            return Err(reader.wrong_type("effect", "", value, "a section [[effect]]"));
-        };
-        let name = table.get("name").and_then(Value::as_str);
-        let entry = Entry {
-            file: reader.file,
-            section: match name {
-                Some(name) => format!("effect {name}"),
-                None => format!("effect {}", place + 1),
-            },
-            path: String::new(),
-            table,
-        };
-        read_effect(&entry, reader, &mut effects)?;
+    let section = |value| match value {
+        Value::Table(table) => Ok(table),
+        other => Err(reader.wrong_type("effect", "", &other, "a section [[effect]]")),
+    };
+    list.into_iter().map(section).collect()
+}
+
+/// An effect that a model may lack, as a file describes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Supposition {
+    /// The effect.
+    pub definition: &'static Definition,
+    /// Values from which a search for its numbers may start, where the file has them.
+    pub guesses: [Option<f64>; MOST_PARAMETERS],
+}
+
+impl Supposition {
+    /// The effects of a file that has sections `[[effect]]` and nothing else; their parameters need no values there. `file` names
+    /// it in messages.
+    ///
+    /// # Errors
+    /// [`ModelFileError`] with the place and what would be right.
+    pub fn read_all(text: &str, file: &str) -> Result<Vec<Self>, ModelFileError> {
+        let mut reader = SectionReader::new(text, file)?;
+        reader.check_sections(&["effect"])?;
+        let mut all: Vec<Self> = Vec::new();
+        for (place, table) in sections(&mut reader)?.iter().enumerate() {
+            let entry = Entry::new(file, place, table);
+            let supposition = entry.supposition()?;
+            let name = supposition.definition.name();
+            if all.iter().any(|other| other.definition.name() == name) {
+                return Err(entry.name_is_taken(name));
+            }
+            all.push(supposition);
+        }
+        Ok(all)
     }
-    Ok(effects)
 }
 
 fn read_effect(
@@ -68,8 +96,7 @@ fn read_effect(
         .known()
         .any(|other| other.definition.name() == definition.name());
     if is_taken {
-        let expected = "another name: an effect before it has this one";
-        return Err(entry.wrong_words("name", definition.name(), expected));
+        return Err(entry.name_is_taken(definition.name()));
     }
     let mut values = BTreeMap::new();
     for (info, (_, parameter)) in definition.infos().iter().zip(entry.entries("parameters")?) {
@@ -104,6 +131,47 @@ struct Entry<'a> {
 }
 
 impl<'a> Entry<'a> {
+    fn new(file: &'a str, place: usize, table: &'a Table) -> Self {
+        let name = table.get("name").and_then(Value::as_str);
+        Self {
+            file,
+            section: match name {
+                Some(name) => format!("effect {name}"),
+                None => format!("effect {}", place + 1),
+            },
+            path: String::new(),
+            table,
+        }
+    }
+
+    fn name_is_taken(&self, name: &str) -> ModelFileError {
+        self.wrong_words(
+            "name",
+            name,
+            "another name: an effect before it has this one",
+        )
+    }
+
+    fn supposition(&self) -> Result<Supposition, ModelFileError> {
+        let definition = self.definition()?;
+        let mut guesses = [None; MOST_PARAMETERS];
+        for (place, (_, parameter)) in self.entries("parameters")?.iter().enumerate() {
+            let Some(value) = parameter.table.get("value") else {
+                continue;
+            };
+            let range = definition.infos()[place].range;
+            let guess = number(value).filter(|guess| range.contains(*guess));
+            if guess.is_none() {
+                return Err(parameter.wrong("value", value, &range.to_string()));
+            }
+            guesses[place] = guess;
+        }
+        Ok(Supposition {
+            definition,
+            guesses,
+        })
+    }
+
     fn wrong(&self, key: &str, value: &Value, expected: &str) -> ModelFileError {
         ModelFileError::WrongType {
             file: self.file.to_owned(),

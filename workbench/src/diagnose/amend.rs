@@ -190,11 +190,24 @@ pub fn found_effects(fitted: &FittedRig, effects: &[(String, f64)]) -> Vec<Found
             }
             FoundEffect {
                 name: name.clone(),
+                description: description(&fitted.rig, name).to_owned(),
                 probability: *probability,
                 parameters,
             }
         })
         .collect()
+}
+
+/// What an effect of the catalogue or of the rig is.
+fn description<'a>(rig: &'a Rig<f64>, name: &str) -> &'a str {
+    let equation = || {
+        let mut known = rig.equations.known();
+        known.find(|effect| effect.definition.name() == name)
+    };
+    entry(name)
+        .map(|entry| entry.description)
+        .or_else(|| equation().map(|effect| effect.definition.title()))
+        .unwrap_or_default()
 }
 
 /// Refitted nominal parameters as a finding tells them.
@@ -231,15 +244,12 @@ fn interval95(estimate: &Estimate) -> Option<[f64; 2]> {
 /// `rig` with an effect switched on, whose numbers `value` gives by dotted name; `None` where that makes no sense.
 fn with_effect(
     rig: &Rig<f64>,
-    effect: &Entry,
+    name: &str,
     value: impl Fn(&str) -> Option<f64>,
 ) -> Option<Rig<f64>> {
     let mut amended = *rig;
-    let section = if effect.is_law() {
-        "contact"
-    } else {
-        effect.name
-    };
+    let is_law = entry(name).is_some_and(Entry::is_law);
+    let section = if is_law { "contact" } else { name };
     let number = |info: &'static ParameterInfo| {
         let name = format!("{section}.{}", info.key);
         Ok::<f64, Infallible>(
@@ -248,8 +258,8 @@ fn with_effect(
                 .unwrap_or_default(),
         )
     };
-    if effect.is_law() {
-        let Ok(law) = Law::from_values(law_of(effect.name), number)?;
+    if is_law {
+        let Ok(law) = Law::from_values(law_of(name), number)?;
         amended.law = law;
     } else {
         if rig
@@ -281,8 +291,12 @@ pub fn law_of(effect: &str) -> &'static str {
 pub fn amended_model(case: &Case, finding: &Finding) -> Result<ModelFile, AmendError> {
     let mut rig = case.model.rig;
     for effect in &finding.effects {
-        let entry =
-            entry(&effect.name).ok_or_else(|| AmendError::UnknownEffect(effect.name.clone()))?;
+        let mut supposed = case.catalogue.supposed.iter();
+        match supposed.find(|own| own.definition.name() == effect.name) {
+            Some(own) => rig.equations.add(own.definition)?,
+            None if entry(&effect.name).is_some() => {}
+            None => return Err(AmendError::UnknownEffect(effect.name.clone())),
+        }
         let value = |name: &str| {
             finding
                 .parameters
@@ -291,7 +305,7 @@ pub fn amended_model(case: &Case, finding: &Finding) -> Result<ModelFile, AmendE
                 .find(|number| number.model_parameter == name)
                 .map(|number| number.value)
         };
-        rig = with_effect(&rig, entry, value).ok_or_else(|| AmendError::NotApplicable {
+        rig = with_effect(&rig, &effect.name, value).ok_or_else(|| AmendError::NotApplicable {
             effect: effect.name.clone(),
             reason: NOT_APPLICABLE,
         })?;

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use inference::data::Data;
 use inference::instruments::{contradictions, estimate, load_noise};
-use inference::problem::Problem;
+use inference::problem::{Catalogue, Problem};
 use inference::record::{CHANNELS, Instruments, RawRecord};
 use inference::units::PlantUnits;
 use inference::window::{Begin, LENGTH, UNSEEN};
 use stickslip::parameter::ParameterError;
-use stickslip::plant::{ModelFile, ModelFileError};
+use stickslip::plant::{ModelFile, ModelFileError, Supposition};
 use thiserror::Error;
 
 use super::catalogue::CATALOGUE;
@@ -20,6 +20,7 @@ use super::record_check::{COLUMNS, Checked, INPUTS, RecordProblem, check, natura
 use super::record_part::PartError;
 use super::rig_columns::{ColumnsError, RigColumns, about};
 use super::sensors::{SensorError, Sensors, described, in_the_middle};
+use super::supposed;
 use super::uncertainty::{UncertaintyError, uncertainties};
 use crate::component::closest;
 use crate::files::record::Record;
@@ -44,8 +45,8 @@ pub struct Case {
     pub records: Vec<RawRecord>,
     /// Stretches of the record to judge on, SI units.
     pub held_out: Vec<RawRecord>,
-    /// Effects taken out of the catalogue.
-    pub without: Vec<String>,
+    /// Effects that files describe, and those taken out of the catalogue.
+    pub catalogue: Catalogue,
     /// What has to be said about the records.
     pub notes: Vec<String>,
 }
@@ -67,9 +68,33 @@ pub enum CaseError {
         /// The directory.
         path: PathBuf,
     },
-    /// The model file is wrong.
+    /// The directory has no effects.
+    #[error("{path}: has no file *.toml with effects, sections [[effect]]")]
+    NoEffects {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// The model file, or a file with effects, is wrong.
     #[error(transparent)]
     Model(#[from] ModelFileError),
+    /// An effect of a file cannot be tried on the model.
+    #[error("{file}: {source}")]
+    Effect {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        source: ParameterError,
+    },
+    /// Two files describe an effect of one name.
+    #[error("{file}: the effect {name} is in {earlier} too; give one of them another name")]
+    SameEffect {
+        /// The later file.
+        file: String,
+        /// Name of the effect.
+        name: String,
+        /// The earlier file.
+        earlier: String,
+    },
     /// The model file states an uncertainty that cannot be one.
     #[error(transparent)]
     Uncertainty(#[from] UncertaintyError),
@@ -134,8 +159,13 @@ impl Material {
     /// [`CaseError`], naming the file and what would be right.
     pub fn load(&self) -> Result<Case, CaseError> {
         prepare_threads();
+        let supposed = supposed::read(&self.effects)?;
+        let catalogue = Catalogue {
+            without: self.without.clone(),
+            supposed: supposed.iter().map(|(_, effect)| *effect).collect(),
+        };
         for name in &self.without {
-            check_effect(name)?;
+            check_effect(name, &catalogue)?;
         }
         let (mut parts, mut held_out_part) = (self.records.clone(), self.held_out.clone());
         let model_name = &self.model_name;
@@ -247,7 +277,7 @@ impl Material {
             record.normal_force_1 = denoise(&record.normal_force_1, noise_1);
         }
         notes.extend(note_on_inputs(&runs));
-        Ok(Case {
+        let case = Case {
             name: self.name.clone(),
             model,
             model_text,
@@ -255,9 +285,11 @@ impl Material {
             instruments,
             records: runs,
             held_out,
-            without: self.without.clone(),
+            catalogue,
             notes,
-        })
+        };
+        case.check_supposed(&supposed)?;
+        Ok(case)
     }
 
     /// What the sensor file states, with its name; `None` where there is none.
@@ -320,13 +352,30 @@ impl Case {
         })
     }
 
+    /// Refuses effects that cannot be tried on the model, and names their file.
+    fn check_supposed(&self, supposed: &[(&str, Supposition)]) -> Result<(), CaseError> {
+        if supposed.is_empty() {
+            return Ok(());
+        }
+        self.problem().map(|_| ()).map_err(|source| {
+            let of = |effect: &Supposition| format!("effect {}", effect.definition.name());
+            let file = supposed.iter().find(|(_, effect)| {
+                matches!(&source, ParameterError::Inconsistent { section, .. } if *section == of(effect))
+            });
+            CaseError::Effect {
+                file: file.map_or_else(|| self.name.clone(), |(file, _)| (*file).to_owned()),
+                source,
+            }
+        })
+    }
+
     fn problem_of(&self, records: &[RawRecord]) -> Result<Problem, ParameterError> {
         Problem::new(
             &self.model.rig,
             self.uncertainties.clone(),
             records,
             &self.instruments,
-            self.without.clone(),
+            &self.catalogue,
         )
     }
 }
@@ -335,11 +384,16 @@ impl Case {
 ///
 /// # Errors
 /// [`CaseError::UnknownEffect`] with all names.
-pub fn check_effect(name: &str) -> Result<(), CaseError> {
-    if CATALOGUE.iter().any(|entry| entry.name == name) {
+pub fn check_effect(name: &str, catalogue: &Catalogue) -> Result<(), CaseError> {
+    let supposed = &catalogue.supposed;
+    let known: Vec<&str> = CATALOGUE
+        .iter()
+        .map(|entry| entry.name)
+        .chain(supposed.iter().map(|effect| effect.definition.name()))
+        .collect();
+    if known.contains(&name) {
         return Ok(());
     }
-    let known: Vec<&str> = CATALOGUE.iter().map(|entry| entry.name).collect();
     let hint = closest(name, known.iter().copied())
         .map(|near| format!(" (is `{near}` meant?)"))
         .unwrap_or_default();

@@ -20,7 +20,8 @@ impl Entry {
     /// Whether the effect replaces the friction law.
     #[must_use]
     pub fn is_law(&self) -> bool {
-        inference::effects::effect(self.name).is_some_and(inference::effects::Effect::is_law)
+        let mut effects = inference::effects::EFFECTS.iter();
+        effects.any(|effect| effect.name == self.name && effect.is_law())
     }
 }
 

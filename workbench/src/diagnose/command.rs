@@ -293,11 +293,11 @@ pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
     if material.is_of_small_plant() {
         return small(&material, Stage::Amend(&arguments.effect), &common.out);
     }
-    for name in &arguments.effect {
-        check_effect(name).context("--effect")?;
-    }
     let library = library::find(common.library.as_deref())?;
     let session = Session::begin(&material, &common.out)?;
+    for name in &arguments.effect {
+        check_effect(name, &session.case.catalogue).context("--effect")?;
+    }
     let finding = if arguments.effect.is_empty() {
         Finding::read(&common.out)?
     } else {

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use super::catalogue::entry;
 use super::finding::{Finding, FoundEffect, Measures, NO_EFFECT, Ranked, VerdictName};
 
 /// Candidates that a screen shows.
@@ -136,8 +135,7 @@ fn nearest_rival(finding: &Finding) -> Option<String> {
 
 /// An effect's name, what it is, and how probable it is.
 fn described(effect: &FoundEffect) -> String {
-    let what = entry(&effect.name).map_or("", |entry| entry.description);
-    let mut text = format!("{} ({what})", readable(&effect.name));
+    let mut text = format!("{} ({})", readable(&effect.name), effect.description);
     // An effect that a person named has no probability.
     if effect.probability > 0.0 {
         let _ = write!(text, ", probability {:.3}", effect.probability);

@@ -369,6 +369,7 @@ fn complementary_error(x: f64) -> f64 {
 mod tests {
     use super::*;
 
+    use inference::problem::Catalogue;
     use inference::record::channel;
     use inference::search::fit_effects;
     use stickslip::plant::ModelFile;
@@ -427,7 +428,7 @@ mod tests {
             uncertain.to_vec(),
             &[noisy(&learned, &instruments, 5)],
             &instruments,
-            Vec::new(),
+            &Catalogue::default(),
         )
         .unwrap();
         let [drag, bearing] = ["viscous_drag", "bearing_friction"]

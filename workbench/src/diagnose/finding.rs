@@ -86,6 +86,9 @@ pub struct Finding {
 pub struct FoundEffect {
     /// Name in the catalogue.
     pub name: String,
+    /// What it is.
+    #[serde(default)]
+    pub description: String,
     /// Posterior probability of the set of effects that it belongs to, 0 … 1; 0 for an effect that a person named.
     pub probability: f64,
     /// Its numbers by their short names.
@@ -355,6 +358,7 @@ pub(super) mod tests {
             verdict: VerdictName::Named,
             effects: vec![FoundEffect {
                 name: "unbalance".into(),
+                description: "a disc whose centre of mass is off the axis".into(),
                 probability: 0.99,
                 parameters: BTreeMap::from([(
                     "unbal_T".into(),

@@ -8,16 +8,19 @@ use clap::Args;
 use super::case::{Case, CaseError};
 use super::record_part::{Part, PartError};
 use super::small_plant::model_file::is_small_plant;
+use super::supposed;
 
 /// Names of a case's files in its directory.
 const MODEL_FILE: &str = "model.toml";
 const HELD_OUT_FILE: &str = "held-out.csv";
 const SENSORS_FILE: &str = "sensors.toml";
+/// Directory of a case with effects of its own.
+const EFFECTS_DIRECTORY: &str = "effects";
 
 /// Where a case's files are.
 #[derive(Debug, Clone, Default, Args)]
 pub struct CaseArguments {
-    /// Directory with model.toml, run-*.csv and, if need be, held-out.csv and sensors.toml.
+    /// Directory with model.toml, run-*.csv and, if need be, held-out.csv, sensors.toml and effects/.
     #[arg(conflicts_with_all = ["model", "records", "held_out"], required_unless_present = "model")]
     pub case: Option<PathBuf>,
     /// The model that the analyst believes.
@@ -32,6 +35,10 @@ pub struct CaseArguments {
     /// Steps and noise of the instruments; without it they are estimated from the records.
     #[arg(long, value_name = "FILE")]
     pub sensors: Option<PathBuf>,
+    /// Directory with effects of your own, files *.toml with sections [[effect]], which are tried beside those of the catalogue.
+    /// Without it the directory effects/ of the case.
+    #[arg(long, value_name = "DIR")]
+    pub catalogue: Option<PathBuf>,
     /// Leave this effect out of the catalogue; may be given several times.
     #[arg(long, value_name = "NAME")]
     pub without: Vec<String>,
@@ -52,6 +59,8 @@ pub struct Material {
     pub held_out: Option<Part>,
     /// Name and text of the sensor file; without it the instruments are estimated from the records.
     pub sensors: Option<(String, String)>,
+    /// Names and texts of files with effects that are tried beside those of the catalogue.
+    pub effects: Vec<(String, String)>,
     /// Effects taken out of the catalogue.
     pub without: Vec<String>,
 }
@@ -88,6 +97,7 @@ impl CaseArguments {
             records,
             held_out,
             sensors: sensors.transpose()?,
+            effects: self.effects()?,
             without: self.without.clone(),
         })
     }
@@ -129,6 +139,17 @@ impl CaseArguments {
         }
     }
 
+    /// The files with effects of one's own.
+    fn effects(&self) -> Result<Vec<(String, String)>, CaseError> {
+        let beside = self
+            .case
+            .as_ref()
+            .map(|directory| directory.join(EFFECTS_DIRECTORY))
+            .filter(|path| path.is_dir());
+        let directory = self.catalogue.clone().or(beside);
+        directory.map_or(Ok(Vec::new()), |directory| supposed::files(&directory))
+    }
+
     /// The sensor file, where there is one.
     fn sensors_path(&self) -> Option<PathBuf> {
         let beside = self
@@ -141,7 +162,7 @@ impl CaseArguments {
 }
 
 /// A file's name and text.
-fn named_text(path: &Path) -> Result<(String, String), CaseError> {
+pub(super) fn named_text(path: &Path) -> Result<(String, String), CaseError> {
     let text = fs::read_to_string(path).map_err(|source| CaseError::Read {
         path: path.to_owned(),
         source,

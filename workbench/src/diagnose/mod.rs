@@ -29,4 +29,5 @@ pub mod score;
 pub mod sensors;
 pub mod show;
 pub mod small_plant;
+mod supposed;
 pub mod uncertainty;

@@ -276,7 +276,7 @@ fn from_fit(
         parameters: refitted(&fitted),
         gap: None,
         friction_fluctuation: fit.disturbance.relative,
-        without: case.without.clone(),
+        without: case.catalogue.without.clone(),
         notes: case.notes.clone(),
         seconds: 0.0,
     })

@@ -1,7 +1,7 @@
 //! A set of effects, fitted, and what speaks for it.
 
 use crate::data::Data;
-use crate::effects::{EFFECTS, Effect, effect};
+use crate::effects::Effect;
 use crate::evidence::Told;
 use crate::fit::Fit;
 use crate::policy::{LN_PRIOR_ODDS, SURELY};
@@ -22,6 +22,8 @@ pub struct Candidate {
     pub foretold: Told,
     /// Whether a law of the set is what it becomes in its limit, as far as its numbers are known.
     pub is_at_limit: bool,
+    /// Whether each of its effects changes what it acts on by enough to be told from what no model gets right.
+    pub is_material: bool,
 }
 
 impl Candidate {
@@ -29,12 +31,7 @@ impl Candidate {
     #[must_use]
     pub fn score(&self) -> f64 {
         let hypothesis = &self.fit.hypothesis;
-        let is_material =
-            |name: &&str| effect(name).is_none_or(|effect| !effect.is_immaterial(hypothesis));
-        if hypothesis.at_an_end().is_empty()
-            && !self.is_at_limit
-            && self.effects.iter().all(is_material)
-        {
+        if hypothesis.at_an_end().is_empty() && !self.is_at_limit && self.is_material {
             self.evidence + LN_PRIOR_ODDS * self.effects.len() as f64
         } else {
             f64::NEG_INFINITY
@@ -63,15 +60,17 @@ pub(super) fn candidate(problem: &Problem, fit: Fit) -> Candidate {
     let told = fit.told(&problem.long);
     let evidence = told.total();
     let foretold = fit.foretold(&problem.long);
-    let mut effects: Vec<&'static str> = EFFECTS
+    let added: Vec<&Effect> = problem
+        .effects
         .iter()
-        .map(|effect| effect.name)
-        .filter(|name| fit.hypothesis.effects.iter().any(|own| own == name))
+        .filter(|effect| fit.hypothesis.effects.iter().any(|own| own == effect.name))
         .collect();
-    effects.dedup();
-    let is_at_limit = is_at_limit(&fit, &problem.long, &effects);
+    let is_at_limit = is_at_limit(&fit, &problem.long, &added);
     Candidate {
-        effects,
+        effects: added.iter().map(|effect| effect.name).collect(),
+        is_material: !added
+            .iter()
+            .any(|effect| effect.is_immaterial(&fit.hypothesis)),
         fit,
         evidence,
         told,
@@ -82,10 +81,10 @@ pub(super) fn candidate(problem: &Problem, fit: Fit) -> Candidate {
 
 /// Whether the number that tells an effect from its limit is within its 95 % interval of vanishing. There the windows say the same
 /// of all its values, so that Laplace's method charges nothing for it, and the simpler law could never win.
-fn is_at_limit(fit: &Fit, data: &Data, effects: &[&str]) -> bool {
+fn is_at_limit(fit: &Fit, data: &Data, effects: &[&Effect]) -> bool {
     let telling: Vec<&str> = effects
         .iter()
-        .filter_map(|name| effect(name).and_then(Effect::limit))
+        .filter_map(|effect| effect.limit())
         .map(|(_, number)| number)
         .collect();
     !telling.is_empty()

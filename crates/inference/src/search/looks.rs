@@ -23,8 +23,8 @@ const SHARE_OF_ONE: usize = 3;
 const ROUNDS: [(usize, usize); 4] = [(18, 2), (9, 3), (6, NEAR_STEPS), (4, 0)];
 
 /// A start of an effect, looked at.
-pub(super) struct Look {
-    pub effect: &'static Effect,
+pub(super) struct Look<'a> {
+    pub effect: &'a Effect,
     pub fit: Fit,
     promise: f64,
 }
@@ -73,12 +73,12 @@ fn is_near(problem: &Problem, current: &Candidate) -> bool {
 }
 
 /// What every start of `effects` promises on top of `current`, the most first.
-pub(super) fn looks(
+pub(super) fn looks<'a>(
     problem: &Problem,
     current: &Candidate,
-    effects: &[&'static Effect],
+    effects: &[&'a Effect],
     progress: &mut dyn FnMut(&str),
-) -> Vec<Look> {
+) -> Vec<Look<'a>> {
     let (part, base) = look_data(problem, current);
     let is_far = base.calm(&part).misfit(&part) > WRONG;
     let scatter = is_far.then(|| scatter(part.clone().divided(), &base));
@@ -138,12 +138,12 @@ fn promise(fit: &Fit, data: &Data) -> f64 {
 }
 
 /// The most promising of `looks`, fitted to all windows.
-pub(super) fn followed(
+pub(super) fn followed<'a>(
     problem: &Problem,
     current: &Candidate,
-    looks: Vec<Look>,
+    looks: Vec<Look<'a>>,
     progress: &mut dyn FnMut(&str),
-) -> Vec<Look> {
+) -> Vec<Look<'a>> {
     let (part, base) = look_data(problem, current);
     let nothing = promise(&base, &part);
     // Near the truth a step promises what it holds; from afar it may hold more.
@@ -152,12 +152,12 @@ pub(super) fn followed(
     } else {
         LN_PRIOR_ODDS
     };
-    let mut field: Vec<Look> = looks
+    let mut field: Vec<Look<'a>> = looks
         .into_iter()
         .filter(|look| look.promise > least)
         .collect();
     for (most, steps) in ROUNDS {
-        let mut kept: Vec<Look> = Vec::new();
+        let mut kept: Vec<Look<'a>> = Vec::new();
         for look in field {
             let twins = kept
                 .iter()
@@ -194,7 +194,11 @@ pub(super) fn followed(
 
 /// Sets with one effect of `current` exchanged that do as well, as far as the looks at one more effect tell: the step that is
 /// best where the numbers of the one given up are held at no effect.
-pub(super) fn swapped(problem: &Problem, current: &Candidate, looks: &[Look]) -> Vec<Hypothesis> {
+pub(super) fn swapped(
+    problem: &Problem,
+    current: &Candidate,
+    looks: &[Look<'_>],
+) -> Vec<Hypothesis> {
     let Some(first) = looks.first() else {
         return Vec::new();
     };

@@ -44,6 +44,8 @@ class Case:
         model's ``[columns]``.
     sensors : mapping or path, optional
         Steps and noise of the instruments, as in a ``sensors.toml``; without it they are estimated from the records.
+    effects : iterable of path
+        Files with effects of your own, sections ``[[effect]]``, that are tried beside those of the catalogue.
     without : iterable of str
         Effects that are left out of the catalogue.
     name : str, optional
@@ -78,6 +80,7 @@ class Case:
         *,
         columns: Mapping[str, Column] | None = None,
         sensors: Mapping[str, float] | Path | None = None,
+        effects: Iterable[Path] = (),
         without: Iterable[str] = (),
         name: str | None = None,
     ) -> None:
@@ -96,6 +99,7 @@ class Case:
                 [_record(record, label, seconds) for label, record in given.items()],
                 None if held_out is None else _record(held_out, "held_out", seconds),
                 _sensors(sensors),
+                [(str(path), _text_of(path)) for path in effects],
                 list(without),
             ),
             len(given),
@@ -108,7 +112,7 @@ class Case:
         Parameters
         ----------
         directory : str or path
-            Folder with ``model.toml``, ``run-*.csv`` and, if need be, ``held-out.csv`` and ``sensors.toml``.
+            Folder with ``model.toml``, ``run-*.csv`` and, if need be, ``held-out.csv``, ``sensors.toml`` and ``effects/``.
         without : iterable of str
             Effects that are left out of the catalogue.
 

@@ -90,6 +90,7 @@ class Case:
         records: Sequence[Table | str | PathLike[str]],
         held_out: Table | str | PathLike[str] | None,
         sensors: tuple[str, str] | None,
+        effects: Sequence[tuple[str, str]],
         without: Sequence[str],
     ) -> Case: ...
     @staticmethod

@@ -59,7 +59,9 @@ pub fn is_asked(case: &Case) -> bool {
             .iter()
             .all(|readings| !readings.is_empty())
     });
-    rig && instruments && read && case.model.rig.kind() == RigKind::Reduced
+    // It knows no effects but its own.
+    let own = case.catalogue.supposed.is_empty();
+    own && rig && instruments && read && case.model.rig.kind() == RigKind::Reduced
 }
 
 /// Names what is missing, with the inputs of an experiment where several effects are left.
@@ -88,7 +90,7 @@ pub fn name(
     let found = diagnose(
         &data,
         Hypothesis::base(&case.model),
-        &case.without,
+        &case.catalogue.without,
         &mut |what| progress(&described(&what)),
     );
     let mut finding = finding(case, &found)?;
@@ -209,7 +211,7 @@ fn finding(case: &Case, found: &Diagnosis) -> anyhow::Result<Finding> {
         parameters: refitted(&fitted),
         gap: None,
         friction_fluctuation: fit.disturbance.relative,
-        without: case.without.clone(),
+        without: case.catalogue.without.clone(),
         notes: case.notes.clone(),
         seconds: 0.0,
     })

@@ -25,6 +25,9 @@ pub struct Answer {
     /// Values of the hidden effects by their short names.
     #[serde(default)]
     pub effects: BTreeMap<String, f64>,
+    /// The effect of a file that is the hidden one, which is in no catalogue otherwise.
+    #[serde(skip)]
+    pub supposed: Option<String>,
 }
 
 fn full_size() -> f64 {
@@ -48,6 +51,8 @@ pub enum Group {
     Pair,
     /// An effect that no catalogue has.
     Outside,
+    /// Outside of the catalogue, but a file describes it.
+    Supposed,
 }
 
 /// Two effects that are nearly the same thing as parameters, and as each other, without a current reading.
@@ -68,11 +73,20 @@ impl Answer {
         serde_json::from_str(&text).with_context(|| path.display().to_string())
     }
 
-    /// Names of the hidden effects as the catalogue has them; empty for clean cases and those outside of it.
+    /// Looks for the hidden effect among these, which files describe.
+    pub fn suppose(&mut self, names: &[&str]) {
+        let own = self.kind.strip_prefix("outside_");
+        self.supposed = own.filter(|own| names.contains(own)).map(str::to_owned);
+    }
+
+    /// Names of the hidden effects as the catalogue or a file has them; empty for clean cases and those that neither has.
     #[must_use]
-    pub fn names(&self) -> Vec<&'static str> {
+    pub fn names(&self) -> Vec<&str> {
         if self.group() == Group::Outside {
             return Vec::new();
+        }
+        if let Some(name) = &self.supposed {
+            return vec![name];
         }
         self.kind
             .split("_and_")
@@ -94,7 +108,9 @@ impl Answer {
     /// What the case is an example of.
     #[must_use]
     pub fn group(&self) -> Group {
-        if self.kind.starts_with("outside") {
+        if self.supposed.is_some() {
+            Group::Supposed
+        } else if self.kind.starts_with("outside") {
             Group::Outside
         } else if self.kind.starts_with("none") || self.kind.starts_with("clean") {
             Group::Clean
@@ -132,6 +148,7 @@ mod tests {
             place: None,
             scale,
             effects: BTreeMap::new(),
+            supposed: None,
         }
     }
 

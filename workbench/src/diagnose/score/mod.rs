@@ -28,6 +28,7 @@ use super::command::compared;
 use super::finding::{FILE, Finding};
 use super::material::CaseArguments;
 use super::naming;
+use super::supposed;
 use crate::cli::Outcome;
 use crate::files::atomic;
 
@@ -42,6 +43,10 @@ pub struct ScoreArguments {
     /// Diagnose each case once more with the right effects taken out of the catalogue.
     #[arg(long)]
     leave_one_out: bool,
+    /// Directory with effects of your own that are tried in every case, as in `diagnose`. The answer of a case whose kind is
+    /// `outside_` and the name of one of them is that effect.
+    #[arg(long, value_name = "DIR")]
+    catalogue: Option<PathBuf>,
     /// Cases diagnosed at a time. Each uses all cores, so more than one makes the times per case longer.
     #[arg(long, default_value_t = 1)]
     jobs: usize,
@@ -81,6 +86,7 @@ pub fn command(arguments: &ScoreArguments) -> anyhow::Result<Outcome> {
             cases: &arguments.cases,
             out: &arguments.out,
             leave_one_out: arguments.leave_one_out,
+            catalogue: arguments.catalogue.as_deref(),
             jobs: arguments.jobs,
             library: arguments.library.as_deref(),
         },
@@ -109,6 +115,8 @@ pub struct Scoring<'a> {
     pub out: &'a Path,
     /// Whether each case is diagnosed once more with the right effects taken out of the catalogue.
     pub leave_one_out: bool,
+    /// Directory with effects that are tried in every case beside those of the catalogue.
+    pub catalogue: Option<&'a Path>,
     /// Cases diagnosed at a time.
     pub jobs: usize,
     /// The library to pack into the FMUs; without it the one beside the program.
@@ -149,7 +157,17 @@ pub struct Scored {
 /// # Errors
 /// There are no answers, or results cannot be written.
 pub fn score(scoring: &Scoring<'_>, tell: &(dyn Fn(Step<'_>) + Sync)) -> anyhow::Result<Scored> {
-    let answers = Answer::read_all(scoring.cases)?;
+    let supposed: Vec<&str> = match scoring.catalogue {
+        Some(directory) => supposed::read(&supposed::files(directory)?)?
+            .iter()
+            .map(|(_, effect)| effect.definition.name())
+            .collect(),
+        None => Vec::new(),
+    };
+    let mut answers = Answer::read_all(scoring.cases)?;
+    for answer in answers.values_mut() {
+        answer.suppose(&supposed);
+    }
     let library = library::find(scoring.library)?;
     let mut tasks = Vec::new();
     for (case, answer) in &answers {
@@ -219,7 +237,7 @@ fn run_all(
                     let at = next.fetch_add(1, Ordering::Relaxed);
                     let Some(task) = tasks.get(at) else { return };
                     tell(Step::Case(&task.case));
-                    let result = diagnosed(task, scoring.cases, library, tell)
+                    let result = diagnosed(task, scoring, library, tell)
                         .map(|finding| judge(&task.answer, &finding));
                     results
                         .lock()
@@ -244,7 +262,7 @@ fn run_all(
 /// The finding of an earlier run, or a new one.
 fn diagnosed(
     task: &Task,
-    cases: &Path,
+    scoring: &Scoring<'_>,
     library: &Library,
     tell: &(dyn Fn(Step<'_>) + Sync),
 ) -> anyhow::Result<Finding> {
@@ -256,7 +274,8 @@ fn diagnosed(
     }
     let begun = Instant::now();
     let arguments = CaseArguments {
-        case: Some(cases.join(&task.case)),
+        case: Some(scoring.cases.join(&task.case)),
+        catalogue: scoring.catalogue.map(Path::to_owned),
         without: task.without.clone(),
         ..CaseArguments::default()
     };

@@ -119,6 +119,11 @@ pub fn lines(judged: &[Judgement], without: &[Judgement]) -> Vec<Line> {
             0.90,
         ),
         at_least(
+            "effect of a file that is the hidden one: named",
+            Share::of(group(Group::Supposed), |j| j.exact),
+            0.95,
+        ),
+        at_least(
             "two effects: both, nothing else",
             Share::of(group(Group::Pair), |j| j.exact),
             0.80,

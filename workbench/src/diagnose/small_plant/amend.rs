@@ -142,6 +142,7 @@ fn numbers(case: &SmallCase, last: &Fit, kept: &[Kept]) -> Numbers {
             let rivals = kept.iter().find(|kept| kept.entry.name == term.entry.name);
             effects.push(FoundEffect {
                 name: term.entry.name.to_owned(),
+                description: term.entry.description.to_owned(),
                 probability: rivals.map_or(0.0, |kept| 1.0 / (1.0 + kept.rivals.len() as f64)),
                 parameters: values.collect(),
             });

@@ -94,6 +94,11 @@ pub fn load(material: &Material) -> Result<SmallCase, SmallCaseError> {
             "{sensors}: a small plant's instruments stand in its model file, [columns] and [measurement]; leave the sensors out"
         )));
     }
+    if let Some((file, _)) = material.effects.first() {
+        return Err(SmallCaseError::Usage(format!(
+            "{file}: effects from files are tried on rigs so far, not on small plants; leave --catalogue out"
+        )));
+    }
     let model = SmallModel::parse(&material.model_text, &material.model_name)?;
     for name in &material.without {
         check_effect(name)

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use super::catalogue::entry;
 use super::finding::{ErrorSize, SmallFinding};
 use crate::diagnose::console::{candidates, gain_line, number, percent, readable};
 use crate::diagnose::finding::{FoundEffect, VerdictName};
@@ -79,8 +78,7 @@ pub fn size(error: &ErrorSize, unit: &str) -> String {
 }
 
 fn described(effect: &FoundEffect) -> String {
-    let what = entry(&effect.name).map_or("", |entry| entry.description);
-    let mut text = format!("{} ({what})", readable(&effect.name));
+    let mut text = format!("{} ({})", readable(&effect.name), effect.description);
     for (key, value) in &effect.parameters {
         let _ = write!(text, "; {key} = {} {}", number(value.value), value.unit);
         if let Some([low, high]) = value.interval95 {
