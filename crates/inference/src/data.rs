@@ -10,12 +10,14 @@ use crate::hypothesis::Hypothesis;
 use crate::marginal::{Disturbance, Reduced, reduce};
 use crate::record::{CHANNELS, Run};
 use crate::scales::Scales;
-use crate::window::{Begin, Cut, PIECE, START_COMPONENTS, STARTS, Start, Window};
+use crate::window::{Begin, Cut, FINE_PIECE, PIECE, START_COMPONENTS, STARTS, Start, Window};
 
 /// Derivative slots for hypotheses of ordinary size.
 const FEW_SLOTS: usize = 21;
 /// Derivative slots for the largest hypotheses.
 const MANY_SLOTS: usize = 33;
+/// Most small pieces of a window.
+const MOST_FINE_PIECES: f64 = 50.0;
 /// Windows in a row that are one block: neighbours are not independent. What half of the blocks teach is judged on the other
 /// half, and the scatter of blocks gives the error of a difference.
 pub(crate) const BLOCK: usize = 4;
@@ -72,6 +74,20 @@ impl Data {
     pub fn undivided(self) -> Self {
         Self {
             piece: f64::INFINITY,
+            ..self
+        }
+    }
+
+    /// The same windows in pieces so small that coordinates hardly change within one.
+    #[must_use]
+    pub fn finely_divided(self) -> Self {
+        let length = |window: &Window| {
+            let samples = (window.last - window.first) as f64;
+            samples * self.runs[window.run].interval()
+        };
+        let longest = self.windows.iter().map(length).fold(0.0, f64::max);
+        Self {
+            piece: FINE_PIECE.max(longest / MOST_FINE_PIECES),
             ..self
         }
     }

@@ -9,6 +9,8 @@ use crate::marginal::{Disturbance, Reduced};
 use crate::window::Start;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+/// Steps of a fit to all windows.
+pub(crate) const STEPS: usize = 20;
 /// Decrease of −2 ln likelihood below which a step gains nothing.
 const CONVERGED: f64 = 0.05;
 /// The same relative to the loss, where a model that misses something goes on gaining a little.

@@ -18,7 +18,7 @@ pub fn first_free<S: Scalar>(rig: &Rig<S>) -> usize {
 /// Order of the Taylor polynomials of the motion.
 const ORDER: usize = 14;
 /// Most columns of a Gram matrix.
-const MOST_COLUMNS: usize = 128;
+const MOST_COLUMNS: usize = 256;
 
 type Chain = [[f64; MOST_COLUMNS]; STARTS];
 

@@ -16,6 +16,7 @@ pub mod gram;
 pub mod hypothesis;
 pub mod instruments;
 pub mod law_start;
+pub mod learned;
 pub mod loss;
 pub mod marginal;
 pub mod policy;

@@ -171,6 +171,17 @@ impl Reduced {
         std::array::from_fn(|j| if j < self.starts { solution[j] } else { 0.0 })
     }
 
+    /// The same form in other numbers, from which `map` makes the present ones.
+    #[must_use]
+    pub fn mapped(&self, map: &DMatrix<f64>) -> Self {
+        Self {
+            curvature: map.transpose() * &self.curvature * map,
+            gradient: map.transpose() * &self.gradient,
+            cross: &self.cross * map,
+            ..self.clone()
+        }
+    }
+
     /// Best torque on the disc in each piece when the free numbers change by `step`; none where it is not free.
     #[must_use]
     pub fn torques(&self, step: &DVector<f64>) -> Vec<f64> {

@@ -7,7 +7,7 @@ pub use self::candidate::Candidate;
 use self::candidate::candidate;
 use self::looks::{followed, looks, swapped};
 use crate::effects::Effect;
-use crate::fit::{Fit, rescue};
+use crate::fit::{Fit, STEPS, rescue};
 use crate::hypothesis::Hypothesis;
 use crate::law_start::Scatter;
 use crate::loss;
@@ -17,8 +17,6 @@ use crate::problem::Problem;
 
 /// Steps of a fit to short windows.
 const NEAR_STEPS: usize = 10;
-/// Steps of a fit to all windows.
-const STEPS: usize = 20;
 /// Steps after which it is asked whether a fit can catch up with the best.
 const AT_A_TIME: usize = 3;
 /// A fit is given up that would need more than so many times its last gain.

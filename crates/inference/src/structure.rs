@@ -6,7 +6,7 @@ use crate::evidence::Told;
 use crate::fit::Fit;
 use crate::gram::{Gram, Place};
 use crate::loss;
-use crate::marginal::Disturbance;
+use crate::marginal::{Disturbance, Reduced};
 use crate::scales::Scales;
 use nalgebra::{Cholesky, DMatrix};
 
@@ -239,8 +239,13 @@ pub fn structures(data: &Data, fit: &Fit) -> Vec<Structure> {
                 .grams
                 .iter()
                 .map(|gram| {
-                    gram.as_ref()
-                        .map(|g| augment(g, coordinate, &data.scales, ratio))
+                    let size = PRIOR * data.scales.torque;
+                    let functions = |place: &Place| {
+                        let values = coordinate.functions(place, &data.scales, ratio);
+                        let sized = |(disc, motor): (f64, f64)| (size * disc, size * motor);
+                        values.into_iter().map(sized).collect()
+                    };
+                    gram.as_ref().map(|g| augment(g, functions))
                 })
                 .collect();
             let extra = grams
@@ -273,7 +278,12 @@ pub(crate) fn linear_evidence(
     let mut x = fit.hypothesis.x.clone();
     precisions.extend(std::iter::repeat_n(1.0, extra));
     x.extend(std::iter::repeat_n(0.0, extra));
-    let (curvature, gradient) = loss::normal_equations(forms.iter().flatten(), &precisions, &x);
+    evidence(&forms, &precisions, &x)
+}
+
+/// Log evidence at the best values of quadratic forms in numbers that are `x` and have these precisions a priori.
+pub(crate) fn evidence(forms: &[Option<Reduced>], precisions: &[f64], x: &[f64]) -> Option<Told> {
+    let (curvature, gradient) = loss::normal_equations(forms.iter().flatten(), precisions, x);
     let cholesky = Cholesky::new(curvature)?;
     let step = cholesky.solve(&gradient);
     let windows = forms
@@ -287,7 +297,7 @@ pub(crate) fn linear_evidence(
         .collect();
     let prior: f64 = precisions
         .iter()
-        .zip(&x)
+        .zip(x)
         .zip(step.iter())
         .map(|((p, x), d)| p * (x + d).powi(2) - p.ln())
         .sum();
@@ -304,17 +314,12 @@ pub(crate) fn linear_evidence(
     })
 }
 
-/// The Gram matrix with the coefficients of a free torque's functions as further free numbers.
-fn augment(gram: &Gram, coordinate: Coordinate, scales: &Scales, ratio: f64) -> Gram {
-    let functions: Vec<Vec<(f64, f64)>> = gram
-        .places
-        .iter()
-        .map(|place| coordinate.functions(place, scales, ratio))
-        .collect();
+/// The Gram matrix with further free numbers: how much of each of the torques on disc and motor that `functions` has at a place.
+pub(crate) fn augment(gram: &Gram, functions: impl Fn(&Place) -> Vec<(f64, f64)>) -> Gram {
+    let functions: Vec<Vec<(f64, f64)>> = gram.places.iter().map(functions).collect();
     let extra = functions.first().map_or(0, Vec::len);
     let old = gram.products.ncols();
     let residual = gram.residual();
-    let size = PRIOR * scales.torque;
     let mut map = DMatrix::zeros(old, old + extra);
     for j in 0..residual {
         map[(j, j)] = 1.0;
@@ -322,8 +327,8 @@ fn augment(gram: &Gram, coordinate: Coordinate, scales: &Scales, ratio: f64) -> 
     map[(residual, residual + extra)] = 1.0;
     for (piece, values) in functions.iter().enumerate() {
         for (b, (disc, motor)) in values.iter().enumerate() {
-            map[(gram.disc() + piece, residual + b)] = size * disc;
-            map[(gram.motor() + piece, residual + b)] = size * motor;
+            map[(gram.disc() + piece, residual + b)] = *disc;
+            map[(gram.motor() + piece, residual + b)] = *motor;
         }
     }
     let products = map.transpose() * &gram.products * &map;

@@ -14,6 +14,8 @@ pub const SHORT: f64 = 0.8;
 pub const UNSEEN: f64 = 6.3;
 /// Length of the pieces over which a disturbance torque is held.
 pub const PIECE: f64 = 0.24;
+/// Length of pieces over which coordinates hardly change.
+pub const FINE_PIECE: f64 = 0.06;
 /// Acceleration from which on it is clear whether the disc speeds up or slows down, as a share of the records'.
 const CLEAR_ACCELERATION: f64 = 0.1;
 /// Standard deviation of the velocity of a disc that sticks: it does not move at all.

@@ -310,6 +310,13 @@ pub fn amended_model(case: &Case, finding: &Finding) -> Result<ModelFile, AmendE
             reason: NOT_APPLICABLE,
         })?;
     }
+    if let Some(learned) = &finding.learned {
+        let added = learned.table().and_then(|table| table.added_to(&rig));
+        rig = added.ok_or_else(|| AmendError::NotApplicable {
+            effect: learned.name.clone(),
+            reason: "port, equation or points are none that the rig can have",
+        })?;
+    }
     let source = provenance_source(case);
     let mut provenance = case.model.provenance.clone();
     let numbers = finding
@@ -364,7 +371,9 @@ pub fn text(case: &Case, finding: &Finding, model: &ModelFile) -> Result<String,
         .iter()
         .map(|effect| effect.name.as_str())
         .collect();
-    let what = if names.is_empty() {
+    let what = if let Some(learned) = &finding.learned {
+        format!("a learned function of {}", learned.coordinate)
+    } else if names.is_empty() {
         "refitted parameters".to_owned()
     } else {
         names.join(" and ")

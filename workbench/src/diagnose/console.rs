@@ -56,7 +56,12 @@ pub fn answer(finding: &Finding) -> Vec<String> {
             for effect in &finding.effects {
                 lines.push(format!("Added on the way: {}.", described(effect)));
             }
-            if finding.effects.is_empty() && finding.gap.is_some() {
+            if let Some(learned) = &finding.learned {
+                lines.push(format!(
+                    "A function of {} at {} was learned for it and is in the amended model. A function is no cause.",
+                    learned.coordinate, learned.port
+                ));
+            } else if finding.effects.is_empty() && finding.gap.is_some() {
                 lines.push("The amended model has other nominal parameters only.".to_owned());
             }
             if let Some(place) = finding.structure.iter().find(|place| place.significant) {

@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use inference::learned::TableEffect;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use stickslip::plant::Port;
 use thiserror::Error;
 
 use crate::files::atomic::{self, WriteError};
@@ -67,6 +69,9 @@ pub struct Finding {
     /// Whether what was found explains the records; absent where no search was made.
     #[serde(default)]
     pub check: Option<CheckResult>,
+    /// The function that stands for what no effect of the catalogue explains, in the amended model; absent where none does.
+    #[serde(default)]
+    pub learned: Option<LearnedTerm>,
     /// Refitted nominal parameters by dotted name.
     pub parameters: BTreeMap<String, ParameterValue>,
     /// How much of the held-out record's gap is closed; absent before the stage `show`.
@@ -106,6 +111,53 @@ pub struct ParameterValue {
     pub unit: String,
     /// Dotted name in the model file.
     pub model_parameter: String,
+}
+
+/// A function of one coordinate that was learned from the records, and the effect by equation that carries it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LearnedTerm {
+    /// Name of the effect in the amended model.
+    pub name: String,
+    /// Where it acts.
+    pub port: String,
+    /// What it is a function of.
+    pub coordinate: String,
+    /// Its equation, in which the function is called `term`.
+    pub equation: String,
+    /// Unit of the coordinate.
+    pub coordinate_unit: String,
+    /// Unit of the function.
+    pub unit: String,
+    /// Period of the coordinate; absent for a coordinate without one.
+    pub period: Option<f64>,
+    /// Knots, between which the function is a cubic spline.
+    pub knots: Vec<f64>,
+    /// Values at the knots.
+    pub values: Vec<f64>,
+    /// Intervals that cover the values with 95 % probability each.
+    pub interval95: Vec<[f64; 2]>,
+    /// Values of the coordinate for which it holds: beyond them it keeps its last value.
+    pub range: [f64; 2],
+    /// Gain in log evidence over the analyst's refitted model.
+    pub gain: f64,
+}
+
+impl LearnedTerm {
+    /// The effect that carries it; `None` where its port is none.
+    #[must_use]
+    pub fn table(&self) -> Option<TableEffect> {
+        Some(TableEffect {
+            name: self.name.clone(),
+            port: Port::ALL
+                .into_iter()
+                .find(|port| port.name() == self.port)?,
+            equation: self.equation.clone(),
+            units: [self.coordinate_unit.clone(), self.unit.clone()],
+            period: self.period,
+            knots: self.knots.clone(),
+            values: self.values.clone(),
+        })
+    }
 }
 
 /// A set of effects with what it gains.
@@ -376,6 +428,7 @@ pub(super) mod tests {
             structure: vec![],
             structure_left: vec![],
             check: None,
+            learned: None,
             parameters: BTreeMap::new(),
             gap: Some(Gap {
                 held_out: errors,

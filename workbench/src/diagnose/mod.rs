@@ -13,6 +13,7 @@ pub mod experiment;
 pub mod finding;
 pub mod former;
 mod input_check;
+pub mod learning;
 pub mod load_cell;
 pub mod located;
 pub mod material;

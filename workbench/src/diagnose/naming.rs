@@ -14,6 +14,7 @@ use super::console::{number, readable};
 use super::experiment::propose;
 use super::finding::{CheckResult, Experiment, Finding, NO_EFFECT, Ranked, VerdictName};
 use super::former;
+use super::learning::learn_what_is_left;
 use super::located::located;
 use crate::files::record::Record;
 
@@ -30,12 +31,22 @@ pub fn name(
     case: &Case,
     progress: &mut dyn FnMut(&str),
 ) -> anyhow::Result<(Finding, Option<Record>)> {
-    if former::answer::is_asked(case) {
-        return former::answer::name(case, progress);
-    }
     let problem = case.problem()?;
-    let found = diagnose(&problem, &mut |what| progress(&described(what)));
+    let mut tell = |what: &str| progress(&described(what));
+    if former::answer::is_asked(case) {
+        let (mut finding, inputs) = former::answer::name(case, progress)?;
+        if finding.verdict == VerdictName::NotInCatalogue && finding.effects.is_empty() {
+            let tell = &mut |what: &str| progress(&described(what));
+            let base = fitted(&problem, &[], tell)?.fit;
+            learn_what_is_left(case, &problem, &base, &mut finding, tell)?;
+        }
+        return Ok((finding, inputs));
+    }
+    let found = diagnose(&problem, &mut tell);
     let mut finding = finding(case, &problem, &found)?;
+    if found.verdict == Verdict::NotInCatalogue {
+        learn_what_is_left(case, &problem, &found.base, &mut finding, &mut tell)?;
+    }
     if found.verdict != Verdict::Ambiguous {
         return Ok((finding, None));
     }
@@ -59,7 +70,7 @@ pub fn name(
 
 /// What the engine is doing, in words: most of it is trying effects.
 fn described(what: &str) -> String {
-    if what.starts_with("what ") {
+    if what.starts_with("what ") || what.starts_with("the held-out") {
         format!("looking at {what}")
     } else {
         format!("trying {}", readable(what))
@@ -273,6 +284,7 @@ fn from_fit(
         structure: Vec::new(),
         structure_left: Vec::new(),
         check: None,
+        learned: None,
         parameters: refitted(&fitted),
         gap: None,
         friction_fluctuation: fit.disturbance.relative,

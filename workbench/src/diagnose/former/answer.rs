@@ -208,6 +208,7 @@ fn finding(case: &Case, found: &Diagnosis) -> anyhow::Result<Finding> {
         structure,
         structure_left,
         check: None,
+        learned: None,
         parameters: refitted(&fitted),
         gap: None,
         friction_fluctuation: fit.disturbance.relative,

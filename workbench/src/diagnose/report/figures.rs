@@ -7,7 +7,7 @@ use inference::window::PIECE;
 use stickslip::friction::acceleration_angle;
 
 use crate::analysis::spectrum::Spectrum;
-use crate::diagnose::finding::Finding;
+use crate::diagnose::finding::{Finding, LearnedTerm};
 use crate::diagnose::residual_torque::ResidualTorque;
 use crate::diagnose::show::{Comparison, Shown};
 use crate::plot::{Axis, Bar, Bars, Chart, Figure, Marker, Panel, Style};
@@ -265,6 +265,21 @@ pub fn ranking(finding: &Finding) -> Figure {
     );
     let height = bars.natural_height();
     Figure::new("").panel(height, bars)
+}
+
+/// A learned function with its intervals.
+pub fn learned(term: &LearnedTerm) -> Figure {
+    let (low, high): (Vec<f64>, Vec<f64>) = term.interval95.iter().map(|[l, h]| (*l, *h)).unzip();
+    let x = format!(
+        "{} [{}]",
+        term.coordinate.replace('_', " "),
+        term.coordinate_unit
+    );
+    let chart = Chart::new(Axis::new(x), Axis::new(format!("term [{}]", term.unit)))
+        .band("95 %", &term.knots, &low, &high, after())
+        .line("learned", &term.knots, &term.values, after())
+        .horizontal("", 0.0, Style::reference());
+    Figure::new("").panel(260.0, chart)
 }
 
 /// The held-out record's velocity: measured, restarted windows and free run.

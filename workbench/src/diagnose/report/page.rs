@@ -24,6 +24,7 @@ pub fn page(report: &Report<'_>) -> String {
         head(report),
         disagreement(report, scaling),
         candidates(finding),
+        learned(finding),
         before_and_after(report, scaling),
         parameters(report),
         floor(finding),
@@ -367,6 +368,32 @@ fn floor(finding: &Finding) -> String {
          sensors' standard deviations (a rounded encoder step counts as step/√12). Each window starts from the state from \
          which the model fits its readings best. The floor is what the right model would show: sensor noise less what the \
          starts absorb. {friction} The share closed is (before² − after²)/(before² − floor²).</p>\n"
+    )
+}
+
+/// The function that was learned.
+fn learned(finding: &Finding) -> String {
+    let Some(term) = &finding.learned else {
+        return String::new();
+    };
+    let end = if term.period.is_some() {
+        String::new()
+    } else {
+        " Beyond the knots it keeps its last value.".to_owned()
+    };
+    format!(
+        "<h2>What was learned instead of a cause</h2>\n<p>No effect of the catalogue explains what is left. A free function of \
+         {} at {} does: {} of log evidence. The amended model and its FMUs have it as a table under the name <b>{}</b>, \
+         with the equation <code>{}</code>.{end}</p>\n{}",
+        escape(&readable(&term.coordinate)),
+        escape(&term.port),
+        number(term.gain),
+        escape(&term.name),
+        escape(&term.equation),
+        figure(
+            &figures::learned(term),
+            "The function with the 95 % intervals of its values at the knots.",
+        )
     )
 }
 

@@ -74,6 +74,7 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> Sma
             check: None,
             structure: before.into_iter().map(|left| left.located).collect(),
             structure_left: after.into_iter().map(|left| left.located).collect(),
+            learned: None,
             parameters,
             gap: None,
             friction_fluctuation: 0.0,

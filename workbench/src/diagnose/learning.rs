@@ -1,0 +1,102 @@
+//! What is in no catalogue, learned: a free function that the amended model carries as a table, where it predicts the record that
+//! is held out better than the analyst's model.
+
+use inference::fit::Fit;
+use inference::hypothesis::Hypothesis;
+use inference::learned::{Learned, learn};
+use inference::marginal::Disturbance;
+use inference::problem::Problem;
+use inference::structure::structures;
+use inference::window::Begin;
+use stickslip::plant::Rig;
+
+use super::amend::{FittedRig, refitted};
+use super::case::Case;
+use super::console::readable;
+use super::finding::{Finding, LearnedTerm};
+use super::located::located;
+
+/// Standard errors from the middle to the end of a 95 % interval.
+const TO_95_PERCENT: f64 = 1.96;
+
+/// Puts into `finding`, whose verdict is that no effect of the catalogue explains the records, what its amended model is: `base`, the
+/// analyst's refitted model, with a learned function; without it where the function predicts the held-out record worse than the
+/// analyst's model; the analyst's model itself where its refitted parameters do that too.
+///
+/// # Errors
+/// A model's number leaves its range.
+pub fn learn_what_is_left(
+    case: &Case,
+    problem: &Problem,
+    base: &Fit,
+    finding: &mut Finding,
+    progress: &mut dyn FnMut(&str),
+) -> anyhow::Result<()> {
+    let learned = learn(problem, base, progress);
+    progress("the held-out record");
+    let judging = case.judging(Begin::Clear)?;
+    let anchors = judging.data.anchors();
+    let loss = |rig: &Rig<f64>| -> anyhow::Result<f64> {
+        let plant = judging.units.to_plant(rig)?;
+        let as_it_is = Hypothesis::base(&plant, &[]);
+        let data = judging.data.clone().undivided();
+        Ok(Fit::at(&data, as_it_is, anchors.clone(), Disturbance::NONE).loss)
+    };
+    let of_analyst = loss(&case.model.rig)?;
+    if let Some(learned) = learned {
+        let rig = problem.units.to_si(&learned.fit.hypothesis.rig_at()?)?;
+        if loss(&rig)? < of_analyst {
+            take_over(problem, &learned, finding)?;
+            return Ok(());
+        }
+        finding.notes.push(format!(
+            "a function was learned, {}, but with it the model predicts the held-out record worse than without: it is left out",
+            readable(&learned.family.name())
+        ));
+    }
+    let rig = problem.units.to_si(&base.hypothesis.rig_at()?)?;
+    if loss(&rig)? > of_analyst {
+        finding.parameters.clear();
+        finding.notes.push(
+            "refitted parameters predict the held-out record worse than the model as it is: the amended model keeps its own"
+                .to_owned(),
+        );
+    }
+    Ok(())
+}
+
+fn take_over(problem: &Problem, learned: &Learned, finding: &mut Finding) -> anyhow::Result<()> {
+    let estimates = learned.fit.estimates(&problem.long);
+    let fitted = FittedRig::of(
+        &learned.fit.hypothesis.rig_at()?,
+        &estimates,
+        &problem.units,
+    )?;
+    finding.parameters = refitted(&fitted);
+    finding.friction_fluctuation = learned.fit.disturbance.relative;
+    finding.structure_left = located(&structures(&problem.long, &learned.fit), &problem.units);
+    let table = &learned.table;
+    finding.learned = Some(LearnedTerm {
+        name: table.name.clone(),
+        port: table.port.name().to_owned(),
+        coordinate: learned.family.over.name().to_owned(),
+        equation: table.equation.clone(),
+        coordinate_unit: table.units[0].to_owned(),
+        unit: table.units[1].to_owned(),
+        period: table.period,
+        knots: table.knots.clone(),
+        values: table.values.clone(),
+        interval95: table
+            .values
+            .iter()
+            .zip(&learned.deviations)
+            .map(|(value, deviation)| {
+                let reach = TO_95_PERCENT * deviation;
+                [value - reach, value + reach]
+            })
+            .collect(),
+        range: learned.range,
+        gain: learned.gain,
+    });
+    Ok(())
+}
