@@ -4,6 +4,7 @@ use crate::check::{Check, check};
 use crate::data::BLOCK;
 use crate::fit::Fit;
 use crate::hypothesis::Estimate;
+use crate::learned::{Learned, lead, learn};
 use crate::policy::{NAMED, SURELY};
 use crate::problem::Problem;
 use crate::search::{Candidate, search};
@@ -72,6 +73,8 @@ pub struct Diagnosis {
     pub structure_left: Vec<Structure>,
     /// Whether the best set explains the records.
     pub check: Check,
+    /// The free function that explains most; looked for where the check failed.
+    pub learned: Option<Learned>,
 }
 
 impl Diagnosis {
@@ -104,7 +107,30 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
     } else {
         structures(data, &best.fit)
     };
-    let check = check(problem, &best.fit, &structure_left);
+    let mut check = check(problem, &best.fit, &structure_left);
+    // What a cause explains, a free function cannot explain better: it needs more numbers to do so.
+    if check.is_passed()
+        && !best.effects.is_empty()
+        && let Some((family, lead)) = lead(
+            problem,
+            &found.base.fit,
+            &best.fit,
+            best.effects.len(),
+            progress,
+        )
+        && lead > 0.0
+    {
+        check.reasons.push(format!(
+            "a free function of {} at {} explains more, by {lead:.0} in log evidence",
+            family.over.name(),
+            family.port.name(),
+        ));
+    }
+    let learned = if check.is_passed() {
+        None
+    } else {
+        learn(problem, &found.base.fit, progress)
+    };
     let ranking = ranking(problem, &found.candidates, &found.base);
     let probability = ranking.first().map_or(0.0, |rival| rival.probability);
     let sure = best
@@ -136,6 +162,7 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
         structure,
         structure_left,
         check,
+        learned,
     }
 }
 

@@ -2,52 +2,37 @@
 //! is held out better than the analyst's model.
 
 use inference::fit::Fit;
-use inference::hypothesis::Hypothesis;
-use inference::learned::{Learned, learn};
-use inference::marginal::Disturbance;
+use inference::learned::Learned;
 use inference::problem::Problem;
 use inference::structure::structures;
-use inference::window::Begin;
-use stickslip::plant::Rig;
 
 use super::amend::{FittedRig, refitted};
 use super::case::Case;
 use super::console::readable;
 use super::finding::{Finding, LearnedTerm};
 use super::located::located;
+use super::show::is_worse;
 
 /// Standard errors from the middle to the end of a 95 % interval.
 const TO_95_PERCENT: f64 = 1.96;
 
-/// Puts into `finding`, whose verdict is that no effect of the catalogue explains the records, what its amended model is: `base`, the
-/// analyst's refitted model, with a learned function; without it where the function predicts the held-out record worse than the
-/// analyst's model; the analyst's model itself where its refitted parameters do that too.
+/// Puts into `finding`, whose verdict is that no effect of the catalogue explains the records, what its amended model is: `base`,
+/// the analyst's refitted model, with the function that was learned. Where that predicts the held-out record worse than the
+/// analyst's model, the function is left out; where `base` does so too, the analyst's model stays as it is.
 ///
 /// # Errors
 /// A model's number leaves its range.
-pub fn learn_what_is_left(
+pub fn explain_without_cause(
     case: &Case,
     problem: &Problem,
     base: &Fit,
+    learned: Option<&Learned>,
     finding: &mut Finding,
-    progress: &mut dyn FnMut(&str),
 ) -> anyhow::Result<()> {
-    let learned = learn(problem, base, progress);
-    progress("the held-out record");
-    let judging = case.judging(Begin::Clear)?;
-    let anchors = judging.data.anchors();
-    let loss = |rig: &Rig<f64>| -> anyhow::Result<f64> {
-        let plant = judging.units.to_plant(rig)?;
-        let as_it_is = Hypothesis::base(&plant, &[]);
-        let data = judging.data.clone().undivided();
-        Ok(Fit::at(&data, as_it_is, anchors.clone(), Disturbance::NONE).loss)
-    };
-    let of_analyst = loss(&case.model.rig)?;
     if let Some(learned) = learned {
         let rig = problem.units.to_si(&learned.fit.hypothesis.rig_at()?)?;
-        if loss(&rig)? < of_analyst {
-            take_over(problem, &learned, finding)?;
-            return Ok(());
+        if !is_worse(case, &rig)? {
+            return take_over(problem, learned, finding);
         }
         finding.notes.push(format!(
             "a function was learned, {}, but with it the model predicts the held-out record worse than without: it is left out",
@@ -55,7 +40,7 @@ pub fn learn_what_is_left(
         ));
     }
     let rig = problem.units.to_si(&base.hypothesis.rig_at()?)?;
-    if loss(&rig)? > of_analyst {
+    if is_worse(case, &rig)? {
         finding.parameters.clear();
         finding.notes.push(
             "refitted parameters predict the held-out record worse than the model as it is: the amended model keeps its own"

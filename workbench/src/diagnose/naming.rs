@@ -3,6 +3,7 @@
 use inference::diagnosis::{Diagnosis, Rival, Verdict, diagnose};
 use inference::fit::Fit;
 use inference::hypothesis::Estimate;
+use inference::learned::learn;
 use inference::policy::RIVAL;
 use inference::problem::Problem;
 use inference::search::{Candidate, fit_effects};
@@ -14,7 +15,7 @@ use super::console::{number, readable};
 use super::experiment::propose;
 use super::finding::{CheckResult, Experiment, Finding, NO_EFFECT, Ranked, VerdictName};
 use super::former;
-use super::learning::learn_what_is_left;
+use super::learning::explain_without_cause;
 use super::located::located;
 use crate::files::record::Record;
 
@@ -38,14 +39,17 @@ pub fn name(
         if finding.verdict == VerdictName::NotInCatalogue && finding.effects.is_empty() {
             let tell = &mut |what: &str| progress(&described(what));
             let base = fitted(&problem, &[], tell)?.fit;
-            learn_what_is_left(case, &problem, &base, &mut finding, tell)?;
+            let learned = learn(&problem, &base, tell);
+            explain_without_cause(case, &problem, &base, learned.as_ref(), &mut finding)?;
         }
         return Ok((finding, inputs));
     }
     let found = diagnose(&problem, &mut tell);
     let mut finding = finding(case, &problem, &found)?;
     if found.verdict == Verdict::NotInCatalogue {
-        learn_what_is_left(case, &problem, &found.base, &mut finding, &mut tell)?;
+        tell("the held-out record");
+        let learned = found.learned.as_ref();
+        explain_without_cause(case, &problem, &found.base, learned, &mut finding)?;
     }
     if found.verdict != Verdict::Ambiguous {
         return Ok((finding, None));

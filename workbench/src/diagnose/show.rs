@@ -97,21 +97,12 @@ pub fn compare(
         Begin::Clear
     })?;
     let (data, units) = (&judging.data, &judging.units);
-    let plant_before = units.to_plant(&case.model.rig)?;
-    let plant_after = units.to_plant(&amended.rig)?;
-    let starts_after = best_starts(data, &plant_after);
-    let set_before = best_starts(data, &plant_before).to_set(&plant_before, units);
-    let set_after = starts_after.to_set(&plant_after, units);
     let mut native_before = Native::from_text(&case.model_text, "the analyst's model")?;
     let mut native_after = Native::from_text(amended_text, "the amended model")?;
-    let delays = [delay(&case.model.rig), delay(&amended.rig)];
-    let windows_before = window_courses(&mut native_before, &judging, &set_before, delays[0])?;
-    let windows_after = window_courses(&mut native_after, &judging, &set_after, delays[1])?;
-    let both: Vec<bool> = windows_before
-        .iter()
-        .zip(&windows_after)
-        .map(|(b, a)| b.is_some() && a.is_some())
-        .collect();
+    let before = restarted(&judging, &case.model.rig, &mut native_before)?;
+    let after = restarted(&judging, &amended.rig, &mut native_after)?;
+    let (windows_before, windows_after) = (before.windows, after.windows);
+    let both = in_both(&windows_before, &windows_after);
     let used = both.iter().filter(|used| **used).count();
     if used == 0 {
         return Err(ShowError::NoWindow);
@@ -121,7 +112,7 @@ pub fn compare(
     } else {
         *disturbance
     };
-    let floor = floor(&starts_after, data, &noise, &windows_after, &both);
+    let floor = floor(&after.starts, data, &noise, &windows_after, &both);
     let error = |windows: &[Option<WindowCourse>]| root_mean_square(windows, &both);
     let held_out = window_error(error(&windows_before), error(&windows_after), floor);
 
@@ -131,8 +122,12 @@ pub fn compare(
     let mut through = Vec::new();
     let mut after_through_fmu = None;
     for (text, starts, delay) in [
-        (case.model_text.as_str(), &set_before, delays[0]),
-        (amended_text, &set_after, delays[1]),
+        (
+            case.model_text.as_str(),
+            &before.set,
+            delay(&case.model.rig),
+        ),
+        (amended_text, &after.set, delay(&amended.rig)),
     ] {
         for version in [FmiVersion::Fmi3, FmiVersion::Fmi2] {
             let mut fmu = built(
@@ -190,6 +185,55 @@ pub fn compare(
         },
         judging,
     })
+}
+
+/// A model on the held-out record in windows, each from its best start.
+struct Restarted {
+    starts: Starts,
+    /// The starts as a component takes them.
+    set: Vec<RigState<f64>>,
+    windows: Vec<Option<WindowCourse>>,
+}
+
+fn restarted(
+    judging: &Judging,
+    rig: &Rig<f64>,
+    native: &mut Native,
+) -> Result<Restarted, ShowError> {
+    let plant = judging.units.to_plant(rig)?;
+    let starts = best_starts(&judging.data, &plant);
+    let set = starts.to_set(&plant, &judging.units);
+    let windows = window_courses(native, judging, &set, delay(rig))?;
+    Ok(Restarted {
+        starts,
+        set,
+        windows,
+    })
+}
+
+/// Which windows both of two models could run through.
+fn in_both(one: &[Option<WindowCourse>], other: &[Option<WindowCourse>]) -> Vec<bool> {
+    let pairs = one.iter().zip(other);
+    pairs.map(|(a, b)| a.is_some() && b.is_some()).collect()
+}
+
+/// Whether `rig` predicts the held-out record, in windows, worse than the analyst's model.
+///
+/// # Errors
+/// A number of a model leaves its range, or a model cannot run at all.
+pub fn is_worse(case: &Case, rig: &Rig<f64>) -> Result<bool, ShowError> {
+    let judging = case.judging(Begin::Clear)?;
+    let windows = |rig: &Rig<f64>| {
+        let mut native = Native::from_text(&rig.to_toml(), "a model")?;
+        restarted(&judging, rig, &mut native).map(|restarted| restarted.windows)
+    };
+    let (before, after) = (windows(&case.model.rig)?, windows(rig)?);
+    let both = in_both(&before, &after);
+    let lost = before
+        .iter()
+        .zip(&after)
+        .any(|(b, a)| b.is_some() && a.is_none());
+    Ok(lost || root_mean_square(&after, &both) > root_mean_square(&before, &both))
 }
 
 fn delay(rig: &Rig<f64>) -> f64 {

@@ -409,6 +409,15 @@ fn amplitudes(
             .zip(origins)
             .map(|(typical, origin)| origin.unwrap_or(*typical))
             .collect();
+        let may_be = |(info, origin): (&ParameterInfo, &Option<f64>)| {
+            origin.is_none_or(|origin| {
+                info.range.minimum().is_none_or(|low| low <= origin)
+                    && info.range.maximum().is_none_or(|high| origin <= high)
+            })
+        };
+        if !definition.infos().iter().zip(origins).all(may_be) {
+            return false;
+        }
         let left = size(&magnitudes.values(definition, &at));
         left <= ROUNDING * whole.max(f64::MIN_POSITIVE) || (whole.is_nan() && left == 0.0)
     };
