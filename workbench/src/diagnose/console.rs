@@ -64,7 +64,9 @@ pub fn answer(finding: &Finding) -> Vec<String> {
             } else if finding.effects.is_empty() && finding.gap.is_some() {
                 lines.push("The amended model has other nominal parameters only.".to_owned());
             }
-            if let Some(place) = finding.structure.iter().find(|place| place.significant) {
+            if let Some(place) = finding.structure.iter().find(|place| place.significant)
+                && finding.learned.is_none()
+            {
                 lines.push(format!(
                     "What is left is structured over the {} ({} equation).",
                     readable(&place.coordinate),

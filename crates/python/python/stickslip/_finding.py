@@ -158,6 +158,21 @@ class Finding:
         return pandas.DataFrame(self.content["where"])
 
     @property
+    def learned(self) -> pandas.DataFrame | None:
+        """The function that the amended model has for what no effect explains; None where it has none.
+
+        Knots as index, ``value``, ``low`` and ``high`` as columns; ``attrs`` has its name, port, coordinate, equation and units.
+        """
+        learned = self.content.get("learned")
+        if learned is None:
+            return None
+        low, high = zip(*learned["interval95"], strict=True)
+        index = pandas.Index(learned["knots"], name=learned["coordinate"])
+        frame = pandas.DataFrame({"value": learned["values"], "low": low, "high": high}, index=index)
+        frame.attrs = {key: learned[key] for key in ("name", "port", "coordinate", "equation", "coordinate_unit", "unit")}
+        return frame
+
+    @property
     def gap_closed(self) -> float | None:
         """Share of the held-out record's gap that the amended model closes, through its FMU; None where there was no gap."""
         gap = self.content["gap"]

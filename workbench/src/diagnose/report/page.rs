@@ -383,7 +383,7 @@ fn learned(finding: &Finding) -> String {
     };
     format!(
         "<h2>What was learned instead of a cause</h2>\n<p>No effect of the catalogue explains what is left. A free function of \
-         {} at {} does: {} of log evidence. The amended model and its FMUs have it as a table under the name <b>{}</b>, \
+         {} at {} gains {} in log evidence. The amended model and its FMUs have it as a table under the name <b>{}</b>, \
          with the equation <code>{}</code>.{end}</p>\n{}",
         escape(&readable(&term.coordinate)),
         escape(&term.port),
