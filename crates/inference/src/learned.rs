@@ -94,7 +94,7 @@ pub fn lead(
 ) -> Option<(Family, f64)> {
     let found = Found::new(problem, base, COMPARED, progress)?;
     let other = on(&found.data, &found.kept, fit).told(&found.data);
-    let gain = found.told.gain_over(&other);
+    let gain = found.told.total() - other.total();
     let more = effects as f64 - 1.0;
     Some((found.basis.family, gain - LN_PRIOR_ODDS * more))
 }
