@@ -108,7 +108,9 @@ fn a_directory_of_suspects_that_cannot_be_used_is_refused_with_the_file() {
         )
     };
     let good = effect("tug", "pull*cos(angle)");
-    let cases: [(&[(&str, &str)], &[&str]); 7] = [
+    /// Names and texts of the files, and what the message says.
+    type Refused<'a> = (&'a [(&'a str, &'a str)], &'a [&'a str]);
+    let cases: [Refused<'_>; 7] = [
         (&[], &["no file *.toml"]),
         (&[("a.toml", "[[effect]")], &["a.toml"]),
         (

@@ -51,6 +51,7 @@ impl Case {
     /// A case; `model`, `sensors` and each of `effects` are name and text of a file.
     #[new]
     #[pyo3(signature = (name, model, records, held_out, sensors, effects, without))]
+    #[allow(clippy::too_many_arguments, reason = "the facade names them")]
     fn new(
         py: Python<'_>,
         name: String,

@@ -153,7 +153,8 @@ impl Equation {
         units: &PlantUnits,
     ) -> Result<Self, ParameterError> {
         let definition = supposition.definition;
-        rig.clone().equations.add(definition)?;
+        let mut with = *rig;
+        with.equations.add(definition)?;
         let is_on = rig
             .equations
             .active()

@@ -12,6 +12,8 @@ use std::f64::consts::TAU;
 pub(super) const KNOTS: usize = 24;
 /// Part of a function's variance that is independent from knot to knot, so that matrices stay positive.
 const JITTER: f64 = 1e-6;
+/// Range of a coordinate, as a share of it, below which it does not vary.
+const ROUNDING: f64 = 1e-6;
 
 /// A family on a problem's records, in the plant's units.
 pub(super) struct Basis<'a> {
@@ -41,7 +43,8 @@ impl<'a> Basis<'a> {
             let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
                 (low.min(x), high.max(x))
             });
-            if !(high - low > 1e-6 * high.abs().max(low.abs())) {
+            let varies = high - low > ROUNDING * high.abs().max(low.abs());
+            if !varies {
                 return None;
             }
             let step = (high - low) / (KNOTS - 1) as f64;
