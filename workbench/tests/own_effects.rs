@@ -110,7 +110,7 @@ fn a_directory_of_suspects_that_cannot_be_used_is_refused_with_the_file() {
     let good = effect("tug", "pull*cos(angle)");
     /// Names and texts of the files, and what the message says.
     type Refused<'a> = (&'a [(&'a str, &'a str)], &'a [&'a str]);
-    let cases: [Refused<'_>; 7] = [
+    let cases: [Refused<'_>; 8] = [
         (&[], &["no file *.toml"]),
         (&[("a.toml", "[[effect]")], &["a.toml"]),
         (
@@ -124,6 +124,10 @@ fn a_directory_of_suspects_that_cannot_be_used_is_refused_with_the_file() {
         (
             &[("a.toml", &effect("unbalance", "pull*cos(angle)"))],
             &["a.toml", "unbalance"],
+        ),
+        (
+            &[("a.toml", &good.replace("disc.torque", "disc1.torque"))],
+            &["a.toml", "tug", "reduced rig"],
         ),
         (
             &[("a.toml", &good), ("b.toml", &good)],

@@ -155,6 +155,10 @@ impl Equation {
         let definition = supposition.definition;
         let mut with = *rig;
         with.equations.add(definition)?;
+        if definition.port().is_outer() && rig.outer.is_none() {
+            let message = "it acts on disc D1 or its shaft, and this model is the reduced rig, which has neither";
+            return Err(wrong(definition, message));
+        }
         let is_on = rig
             .equations
             .active()
@@ -216,11 +220,6 @@ impl Equation {
 
     pub fn name(&self) -> &'static str {
         self.definition.name()
-    }
-
-    /// Whether this rig has what the effect acts on.
-    pub fn is_possible(&self, rig: &Rig<f64>) -> bool {
-        rig.outer.is_some() || !self.definition.port().is_outer()
     }
 
     /// Whether some of its numbers shape it, of which no derivative tells before there is an effect.
