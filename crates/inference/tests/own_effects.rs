@@ -103,13 +103,18 @@ fn without_the_file_its_shape_is_learned() {
     let learned = found.learned.unwrap();
     assert_eq!(learned.family.port, Port::DiscTorque);
     assert_eq!(learned.family.over, Coordinate::Angle);
+    let truth = |angle: f64| -RUMBLE.0 * (3.0 * angle - RUMBLE.1).cos();
     let knots = learned.table.knots.iter().zip(&learned.table.values);
-    let squares = knots.map(|(angle, value)| {
-        let truth = -RUMBLE.0 * (3.0 * angle - RUMBLE.1).cos();
-        (value - truth).powi(2)
-    });
-    let off = (squares.sum::<f64>() / learned.table.knots.len() as f64).sqrt();
-    assert!(off < 0.05 * RUMBLE.0, "off by {off} N m");
+    let off: Vec<f64> = knots.map(|(angle, value)| value - truth(*angle)).collect();
+    let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+    let whole: Vec<f64> = learned.table.knots.iter().map(|a| truth(*a)).collect();
+    let explained = 1.0 - square(&off) / square(&whole);
+    assert!(explained > 0.95, "explains {explained}");
+    let covered = off.iter().zip(&learned.deviations);
+    let covered = covered
+        .filter(|(off, deviation)| off.abs() < 1.96 * *deviation)
+        .count();
+    assert!(covered >= 20, "{covered} of {} intervals cover", off.len());
 }
 
 #[test]
