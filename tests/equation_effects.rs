@@ -5,7 +5,7 @@ mod common;
 
 use common::options;
 use common::{law, rig, start};
-use stickslip::plant::{Rig, RigInputs, RigState, STATES, sensitivities};
+use stickslip::plant::{Rig, RigInputs, RigState, STATES, Supposition, sensitivities};
 
 /// A section `[[effect]]` with parameters (key, value, unit).
 fn effect(port: &str, equation: &str, parameters: &[(&str, f64, &str)]) -> String {
@@ -426,9 +426,16 @@ fn the_examples_of_the_page_on_equations_are_models() {
         .skip(1)
         .filter_map(|block| block.split("```").next())
         .collect();
-    assert_eq!(examples.len(), 2);
-    let rig = written(&examples.concat());
+    let [formula, points, suspect] = examples[..] else {
+        panic!("{} examples", examples.len());
+    };
+    let rig = written(&[formula, points].concat());
     assert_eq!(rig.equations.active().count(), 2);
+    // The third is the first without values.
+    let suspects = Supposition::read_all(suspect, "rumble.toml").unwrap();
+    let known = rig.equations.active().next().unwrap().definition;
+    assert_eq!(suspects[0].definition.equation(), known.equation());
+    assert_eq!(suspects[0].guesses, [None; 6]);
 }
 
 #[test]
