@@ -152,11 +152,14 @@ impl Effect {
         if self.is_law() || matches!(self.form, Form::Bristles) {
             return false;
         }
-        let size = match &self.form {
-            Form::Equation(equation) => fitted.size_of_first(self.name, equation.amplitudes()),
-            _ => fitted.size_of(self.name),
+        let vanishing = match &self.form {
+            Form::Equation(equation) => equation.amplitudes(),
+            Form::Polar { .. } => 2,
+            _ => 1,
         };
-        size.is_some_and(|size| USUAL * size < LEAST_SHARE)
+        fitted
+            .size_of(self.name, vanishing)
+            .is_some_and(|size| USUAL * size < LEAST_SHARE)
     }
 
     /// Whether a start is so far from the best numbers that a step or two are needed to see what it promises.

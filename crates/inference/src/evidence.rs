@@ -1,6 +1,9 @@
 //! Log evidence window by window.
 
+use crate::loss;
+use crate::marginal::Reduced;
 use crate::policy::MOST_TOLD;
+use nalgebra::Cholesky;
 
 /// What each window tells of a hypothesis, and what its free numbers cost.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +15,33 @@ pub struct Told {
 }
 
 impl Told {
+    /// Laplace's approximation at numbers that are `x` and have these precisions a priori; −∞ where the curvature is not
+    /// positive.
+    #[must_use]
+    pub fn at(forms: &[Option<Reduced>], precisions: &[f64], x: &[f64]) -> Self {
+        let (curvature, _) = loss::normal_equations(forms.iter().flatten(), precisions, x);
+        let volume = Cholesky::new(curvature).map_or(f64::INFINITY, |cholesky| {
+            2.0 * cholesky
+                .l_dirty()
+                .diagonal()
+                .iter()
+                .map(|d| d.ln())
+                .sum::<f64>()
+        });
+        let prior: f64 = precisions
+            .iter()
+            .zip(x)
+            .map(|(p, x)| p.ln() - p * x * x)
+            .sum();
+        Self {
+            windows: forms
+                .iter()
+                .map(|form| -0.5 * loss::of_window(form))
+                .collect(),
+            numbers: 0.5 * (prior - volume),
+        }
+    }
+
     /// Log evidence by Laplace's approximation.
     #[must_use]
     pub fn total(&self) -> f64 {

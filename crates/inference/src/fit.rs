@@ -25,7 +25,7 @@ const SHORTEST: f64 = 1e-4;
 /// Loss that a window may gain in a step before other starts are tried for it.
 const SUSPECT: f64 = 6.0;
 /// Standard deviations of fluctuating friction, relative to it, among which a fit chooses.
-const FLUCTUATIONS: [f64; 8] = [0.0, 0.004, 0.008, 0.016, 0.03, 0.05, 0.08, 0.15];
+pub(crate) const FLUCTUATIONS: [f64; 8] = [0.0, 0.004, 0.008, 0.016, 0.03, 0.05, 0.08, 0.15];
 
 /// Factors by which a fit changes the fluctuation that it has chosen, until none of them gains.
 const FINER: [f64; 6] = [0.8, 0.91, 0.97, 1.03, 1.1, 1.25];
@@ -178,29 +178,8 @@ impl Fit {
     /// Log evidence of the hypothesis by Laplace's approximation, window by window.
     #[must_use]
     pub fn told(&self, data: &Data) -> Told {
-        let forms = self.reduced(data);
-        let (curvature, _) = self.normal_equations(&forms);
         let precisions = self.hypothesis.prior_precisions();
-        let prior: f64 = precisions
-            .iter()
-            .zip(&self.hypothesis.x)
-            .map(|(p, x)| p.ln() - p * x * x)
-            .sum();
-        let volume = Cholesky::new(curvature).map_or(f64::INFINITY, |cholesky| {
-            2.0 * cholesky
-                .l_dirty()
-                .diagonal()
-                .iter()
-                .map(|d| d.ln())
-                .sum::<f64>()
-        });
-        Told {
-            windows: forms
-                .iter()
-                .map(|form| -0.5 * loss::of_window(form))
-                .collect(),
-            numbers: 0.5 * (prior - volume),
-        }
+        Told::at(&self.reduced(data), &precisions, &self.hypothesis.x)
     }
 
     /// Log evidence of the hypothesis.

@@ -17,8 +17,11 @@ pub fn first_free<S: Scalar>(rig: &Rig<S>) -> usize {
 }
 /// Order of the Taylor polynomials of the motion.
 const ORDER: usize = 14;
-/// Most columns of a Gram matrix.
-const MOST_COLUMNS: usize = 256;
+/// Most steps between two samples: a motion that needs more is nowhere near the one that was sampled.
+const MOST_SEGMENTS: u64 = 1000;
+/// Most columns of a Gram matrix: two for each of the small pieces, of which rounding to whole samples can make half as many again,
+/// and those of start, free numbers and residual.
+const MOST_COLUMNS: usize = 192;
 
 type Chain = [[f64; MOST_COLUMNS]; STARTS];
 
@@ -61,6 +64,8 @@ pub struct Gram {
     pub starts: usize,
     /// Number of disturbance pieces.
     pub pieces: usize,
+    /// Length of a piece.
+    pub piece_length: f64,
     /// Number of residuals.
     pub residuals: usize,
     /// The middle of each piece.
@@ -231,6 +236,7 @@ pub fn window_gram<const N: usize>(
         products,
         starts,
         pieces,
+        piece_length,
         residuals,
         places,
     })
@@ -281,6 +287,7 @@ fn started<const N: usize>(
             let options = Options {
                 tolerance: 1e-6,
                 order: ORDER,
+                budget: MOST_SEGMENTS,
                 ..Options::default()
             };
             Simulation::new(*rig, options, time, state, inputs).map(Box::new)

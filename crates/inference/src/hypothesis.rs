@@ -202,25 +202,9 @@ impl Hypothesis {
         first.map(|first| (first, width))
     }
 
-    /// Size of an effect in usual sizes, where its numbers tell one: the largest of them in absolute value.
-    #[must_use]
-    pub fn size_of(&self, effect: &str) -> Option<f64> {
-        let (first, width) = self.numbers_of(effect)?;
-        let x = &self.x[first..first + width];
-        let is_polar = matches!(
-            self.free.iter().find(|free| matches!(free, Free::Polar { amplitude, .. } if amplitude.split('.').next() == Some(effect))),
-            Some(Free::Polar { .. })
-        );
-        Some(if is_polar {
-            x[0].hypot(x[1])
-        } else {
-            x[0].abs()
-        })
-    }
-
     /// Size in usual sizes of an effect the first `count` of whose numbers vanish with it.
     #[must_use]
-    pub fn size_of_first(&self, effect: &str, count: usize) -> Option<f64> {
+    pub fn size_of(&self, effect: &str, count: usize) -> Option<f64> {
         let (first, width) = self.numbers_of(effect)?;
         let vanishing = &self.x[first..first + count.min(width)];
         Some(vanishing.iter().map(|x| x * x).sum::<f64>().sqrt())

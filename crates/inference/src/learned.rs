@@ -55,7 +55,14 @@ pub struct Learned {
 #[must_use]
 pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> Option<Learned> {
     let long = &problem.long;
-    let found = Found::new(problem, base, long.windows.len(), progress)?;
+    // Fluctuating friction stands in for what is missing: the function is learned as if there were none.
+    let found = Found::new(
+        problem,
+        base,
+        long.windows.len(),
+        Disturbance::NONE,
+        progress,
+    )?;
     let Found {
         told,
         state,
@@ -68,7 +75,14 @@ pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> O
         return None;
     }
     let (table, deviations) = tabulated(basis, state, root)?;
-    let (hypothesis, starts) = (state.fit.hypothesis.clone(), state.fit.starts.clone());
+    let hypothesis = state.fit.hypothesis.clone();
+    // The torques of small pieces have no place in large ones.
+    let starts = state
+        .fit
+        .starts
+        .iter()
+        .map(|start| Start::from(start.state));
+    let fit = Fit::at(long, hypothesis, starts.collect(), Disturbance::NONE);
     Some(Learned {
         family: basis.family,
         range: [
@@ -77,13 +91,15 @@ pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> O
         ],
         table,
         deviations,
-        fit: Fit::at(long, hypothesis, starts, Disturbance::NONE).improved(long, STEPS),
+        fit: fit.improved(long, STEPS),
         gain,
     })
 }
 
-/// The function that explains most of what `base` leaves, and its log odds over `fit`, which has so many effects more than that; both on
-/// a part of the windows.
+/// The function that explains most of what `base` leaves, and its log odds over `fit`, which has so many effects more than that; both
+/// on a part of the windows, and each under the fluctuation of friction that suits it best.
+///
+/// All that a window tells counts: a set that explains most windows and fails in some is not the cause.
 #[must_use]
 pub fn lead(
     problem: &Problem,
@@ -92,18 +108,28 @@ pub fn lead(
     effects: usize,
     progress: &mut dyn FnMut(&str),
 ) -> Option<(Family, f64)> {
-    let found = Found::new(problem, base, COMPARED, progress)?;
-    let other = on(&found.data, &found.kept, fit).told(&found.data);
-    let gain = found.told.total() - other.total();
+    let Found {
+        data,
+        kept,
+        state,
+        basis,
+        root,
+        ..
+    } = Found::new(problem, base, COMPARED, fit.disturbance, progress)?;
+    let own = state.with_best_fluctuation(&basis, &data, &root).told();
+    let other = on(&data, &kept, fit, fit.disturbance)
+        .with_best_fluctuation(&data)
+        .told(&data);
     let more = effects as f64 - 1.0;
-    Some((found.basis.family, gain - LN_PRIOR_ODDS * more))
+    let lead = own.total() - other.total() - LN_PRIOR_ODDS * more;
+    Some((basis.family, lead))
 }
 
-/// A fit carried over to some of its windows, in small pieces, where friction does not fluctuate.
-fn on(data: &Data, kept: &[usize], fit: &Fit) -> Fit {
+/// A fit carried over to some of its windows, in small pieces.
+fn on(data: &Data, kept: &[usize], fit: &Fit, disturbance: Disturbance) -> Fit {
     let starts = kept.iter().map(|&j| Start::from(fit.starts[j].state));
     let hypothesis = fit.hypothesis.clone();
-    Fit::at(data, hypothesis, starts.collect(), Disturbance::NONE).improved_calmly(data, CLOSER)
+    Fit::at(data, hypothesis, starts.collect(), disturbance).improved_calmly(data, CLOSER)
 }
 
 /// The best function on some of the windows.
@@ -126,21 +152,22 @@ impl<'a> Found<'a> {
         problem: &'a Problem,
         base: &Fit,
         most: usize,
+        disturbance: Disturbance,
         progress: &mut dyn FnMut(&str),
     ) -> Option<Self> {
         progress("what a free function explains");
         let count = problem.long.windows.len();
         let kept: Vec<usize> = (0..count).step_by(count.div_ceil(most).max(1)).collect();
         let data = problem.long.part(&kept).finely_divided();
-        let base = on(&data, &kept, base);
+        let base = on(&data, &kept, base, disturbance);
         let without = base.told(&data);
         let mut best: Option<(Told, State, Basis<'_>, DMatrix<f64>)> = None;
         for (_, basis, root) in looks(problem, &data, &base) {
             progress(&basis.family.name());
-            let state = fitted(&basis, &data, &root, &base);
-            let Some((told, state)) = state.and_then(|state| Some((state.told()?, state))) else {
+            let Some(state) = fitted(&basis, &data, &root, &base) else {
                 continue;
             };
+            let told = state.told();
             if best
                 .as_ref()
                 .is_none_or(|(other, ..)| told.total() > other.total())
@@ -178,7 +205,7 @@ fn looks<'a>(problem: &'a Problem, data: &Data, base: &Fit) -> Vec<(f64, Basis<'
         .filter_map(|family| {
             let basis = Basis::new(problem, family, &base.grams)?;
             let augmented = basis.augmented(&base.grams, &[0.0; KNOTS]);
-            let forms = reduced(data, &base.starts, &augmented, &Disturbance::NONE);
+            let forms = reduced(data, &base.starts, &augmented, &base.disturbance);
             let told = |(reach, size)| {
                 let root = basis.root(reach, size)?;
                 let told = evidence(&in_weights(&forms, own, &root), &precisions, &x)?;

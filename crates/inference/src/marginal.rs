@@ -2,7 +2,7 @@
 //! disturbance torques.
 
 use crate::gram::Gram;
-use crate::window::{PIECE, STARTS};
+use crate::window::STARTS;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Random disturbances of the friction and of the motor.
@@ -93,7 +93,7 @@ pub fn reduce(
         precision[(j, j)] = p;
         log_prior += p.ln();
     }
-    let rho = (-PIECE / disturbance.correlation_time).exp();
+    let rho = (-gram.piece_length / disturbance.correlation_time).exp();
     for block in first_of_block.windows(2) {
         let (from, to) = (block[0], block[1]);
         for j in from..to {

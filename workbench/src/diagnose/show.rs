@@ -90,12 +90,7 @@ pub fn compare(
     library: &Library,
     work: &Path,
 ) -> Result<Comparison, ShowError> {
-    let branches = case.model.rig.law.has_branches() || amended.rig.law.has_branches();
-    let judging = case.judging(if branches {
-        Begin::SpeedingUp
-    } else {
-        Begin::Clear
-    })?;
+    let judging = judging(case, &amended.rig)?;
     let (data, units) = (&judging.data, &judging.units);
     let mut native_before = Native::from_text(&case.model_text, "the analyst's model")?;
     let mut native_after = Native::from_text(amended_text, "the amended model")?;
@@ -187,6 +182,16 @@ pub fn compare(
     })
 }
 
+/// The held-out record in windows from which the analyst's model and the amended one can both start.
+fn judging(case: &Case, amended: &Rig<f64>) -> Result<Judging, ParameterError> {
+    let branches = case.model.rig.law.has_branches() || amended.law.has_branches();
+    case.judging(if branches {
+        Begin::SpeedingUp
+    } else {
+        Begin::Clear
+    })
+}
+
 /// A model on the held-out record in windows, each from its best start.
 struct Restarted {
     starts: Starts,
@@ -222,7 +227,7 @@ fn in_both(one: &[Option<WindowCourse>], other: &[Option<WindowCourse>]) -> Vec<
 /// # Errors
 /// A number of a model leaves its range, or a model cannot run at all.
 pub fn is_worse(case: &Case, rig: &Rig<f64>) -> Result<bool, ShowError> {
-    let judging = case.judging(Begin::Clear)?;
+    let judging = judging(case, rig)?;
     let windows = |rig: &Rig<f64>| {
         let mut native = Native::from_text(&rig.to_toml(), "a model")?;
         restarted(&judging, rig, &mut native).map(|restarted| restarted.windows)

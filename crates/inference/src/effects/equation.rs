@@ -1,7 +1,7 @@
 //! An effect that a file describes by an equation, as a hypothesis: which of its numbers make it vanish, how large it is as a
 //! share of what the records show, and from where fits of it start. All of it follows from the equation and its units.
 
-use super::{BOUND, NARROW, NEAR, USUAL, switch_on};
+use super::{BOUND, NARROW, NEAR, USUAL, push, switch_on};
 use crate::hypothesis::{Free, Hypothesis};
 use crate::scales::Scales;
 use crate::units::PlantUnits;
@@ -9,8 +9,11 @@ use stickslip::expression::{Coordinate, Dimension};
 use stickslip::parameter::{ParameterError, ParameterInfo, Range};
 use stickslip::plant::{Definition, Port, Rig, Supposition};
 
-/// Places at which an equation is looked at.
+/// Places at which an equation is looked at: enough for means of a few per cent.
 const PLACES: usize = 97;
+/// The root of x⁹ = x + 1. Multiples of its powers fill a space of eight coordinates evenly (M. Roberts, *The unreasonable
+/// effectiveness of quasirandom sequences*, 2018).
+const EVEN: f64 = 1.085_070_245_491_450_8;
 /// Differences, as a share of what they are compared with, that are rounding.
 const ROUNDING: f64 = 1e-9;
 /// Share of itself by which a number moves to see what it does.
@@ -79,12 +82,10 @@ impl Magnitudes {
             Coordinate::Load => scales.load * units.force,
             Coordinate::Time => duration,
         };
-        // Multiples of powers of the golden ratio's kin fill the space of the coordinates evenly.
         let places = (0..PLACES)
             .map(|place| {
                 std::array::from_fn(|j| {
-                    let share =
-                        (0.5 + (place + 1) as f64 * 1.083_f64.powi(-(j as i32 + 1))).fract();
+                    let share = (0.5 + (place + 1) as f64 * EVEN.powi(-(j as i32 + 1))).fract();
                     let signed = match Coordinate::ALL[j] {
                         Coordinate::TwistRate => 2.0 * share - 1.0,
                         Coordinate::Velocity | Coordinate::Twist => 1.2 * share - 0.2,
@@ -270,60 +271,52 @@ impl Equation {
             .zip(values.iter().copied())
             .collect();
         switch_on(&mut h, self.name(), &named);
-        let dotted = |place: usize| format!("{}.{}", self.name(), infos[place].key);
         let phase = self.numbers.iter().position(|n| *n == Number::Phase);
         for (place, number) in self.numbers.iter().enumerate() {
-            if let Number::Amplitude { origin, scale } = *number {
-                let range = infos[place].range;
-                let low = range
+            let Number::Amplitude { origin, scale } = *number else {
+                continue;
+            };
+            let (info, reach) = (&infos[place], BOUND * scale);
+            let low = match info.range {
+                Range::Positive => NARROW * NEAR * scale,
+                range => range
                     .minimum()
-                    .unwrap_or(f64::NEG_INFINITY)
-                    .max(origin - BOUND * scale);
-                let low = if range == Range::Positive {
-                    NARROW * NEAR * scale
-                } else {
-                    low
-                };
-                let high = range
-                    .maximum()
-                    .unwrap_or(f64::INFINITY)
-                    .min(origin + BOUND * scale);
-                if let Some(phase) = phase {
-                    h.free.push(Free::Polar {
-                        amplitude: dotted(place),
-                        phase: dotted(phase),
-                        scale,
-                        high,
-                    });
-                    h.x.extend([NEAR, 0.0]);
-                } else {
-                    h.free.push(Free::Value {
-                        name: dotted(place),
-                        origin,
-                        scale,
-                        low,
-                        high,
-                    });
-                    h.x.push((values[place] - origin) / scale);
-                }
+                    .map_or(origin - reach, |low| low.max(origin - reach)),
+            };
+            let high = info
+                .range
+                .maximum()
+                .map_or(origin + reach, |high| high.min(origin + reach));
+            if let Some(phase) = phase {
+                h.free.push(Free::Polar {
+                    amplitude: format!("{}.{}", self.name(), info.key),
+                    phase: format!("{}.{}", self.name(), infos[phase].key),
+                    scale,
+                    high,
+                });
+                h.x.extend([NEAR, 0.0]);
+            } else {
+                let value = values[place];
+                push(
+                    &mut h,
+                    self.name(),
+                    info.key,
+                    (origin, scale),
+                    (low, high),
+                    value,
+                );
             }
         }
         for (place, number) in self.numbers.iter().enumerate() {
             if let Number::Shape {
                 origin,
                 scale,
-                bounds: (low, high),
+                bounds,
                 ..
             } = *number
             {
-                h.free.push(Free::Value {
-                    name: dotted(place),
-                    origin,
-                    scale,
-                    low,
-                    high,
-                });
-                h.x.push((values[place] - origin) / scale);
+                let (key, value) = (infos[place].key, values[place]);
+                push(&mut h, self.name(), key, (origin, scale), bounds, value);
             }
         }
         Some(h)

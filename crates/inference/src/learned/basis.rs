@@ -111,12 +111,25 @@ impl<'a> Basis<'a> {
         Cholesky::new(covariance).map(|cholesky| cholesky.l())
     }
 
+    /// Name of the effect: one that the model does not have yet, which may itself have been amended.
+    fn name(&self) -> String {
+        let plain = self.family.name();
+        let is_free = |name: &String| {
+            let mut known = self.problem.rig.equations.known();
+            known.all(|effect| effect.definition.name() != name)
+        };
+        std::iter::once(plain.clone())
+            .chain((2..).map(|number| format!("{plain}_{number}")))
+            .find(is_free)
+            .unwrap_or(plain)
+    }
+
     /// The effect with these values at the knots.
     pub(super) fn table(&self, values: &[f64]) -> TableEffect {
         let ([x, y], units) = self.family.units(&self.problem.units);
         let scaled = |numbers: &[f64], unit: f64| numbers.iter().map(|v| v * unit).collect();
         TableEffect {
-            name: self.family.name(),
+            name: self.name(),
             port: self.family.port,
             equation: self.family.equation(),
             units: units.map(str::to_owned),

@@ -7,6 +7,9 @@ use std::f64::consts::TAU;
 use stickslip::expression::Coordinate;
 use stickslip::plant::Port;
 
+/// Factor of the friction below which its derivative is no longer taken from what friction is left.
+const LEAST_FACTOR: f64 = 0.1;
+
 /// Where a free function acts, and over which coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Family {
@@ -88,7 +91,7 @@ impl Family {
         };
         match (self.port, self.times) {
             (Port::DiscFriction, _) => {
-                let factor = (1.0 + present).max(0.1);
+                let factor = (1.0 + present).max(LEAST_FACTOR);
                 (-slides * place.friction / factor, 0.0)
             }
             (Port::DiscTorque, Some(_)) => (-place.speed, 0.0),

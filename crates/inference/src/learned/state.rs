@@ -4,8 +4,7 @@ use super::basis::{Basis, KNOTS};
 use super::table::TableEffect;
 use crate::data::{Data, grams, reduced};
 use crate::evidence::Told;
-use crate::fit::Fit;
-use crate::gram::Gram;
+use crate::fit::{FLUCTUATIONS, Fit};
 use crate::hypothesis::Hypothesis;
 use crate::loss;
 use crate::marginal::{Disturbance, Reduced};
@@ -34,23 +33,24 @@ impl State {
         basis: &Basis<'_>,
         data: &Data,
         root: &DMatrix<f64>,
-        hypothesis: Hypothesis,
-        weights: DVector<f64>,
+        (hypothesis, weights): (Hypothesis, DVector<f64>),
         starts: Vec<Start>,
+        disturbance: Disturbance,
     ) -> Option<Self> {
         let values: Vec<f64> = (root * &weights).iter().copied().collect();
         let mut own = hypothesis;
         own.rig = basis.table(&values).added_to(&basis.problem.rig)?;
         let grams = grams(data, &own, &starts);
         let augmented = basis.augmented(&grams, &values);
-        let forms = forms(data, &starts, &augmented, own.dimension(), root);
+        let forms = reduced(data, &starts, &augmented, &disturbance);
+        let forms = in_weights(&forms, own.dimension(), root);
         let loss = loss::total(&forms, &own) + weights.norm_squared();
         Some(Self {
             fit: Fit {
                 hypothesis: own,
                 starts,
                 grams,
-                disturbance: Disturbance::NONE,
+                disturbance,
                 loss,
                 is_converged: false,
             },
@@ -68,22 +68,10 @@ impl State {
         (precisions, x)
     }
 
-    /// Log evidence by Laplace's approximation, window by window.
-    pub(super) fn told(&self) -> Option<Told> {
+    /// Log evidence, window by window.
+    pub(super) fn told(&self) -> Told {
         let (precisions, x) = self.numbers();
-        let (curvature, _) = loss::normal_equations(self.forms.iter().flatten(), &precisions, &x);
-        let cholesky = Cholesky::new(curvature)?;
-        let volume: f64 = cholesky.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
-        let prior: f64 = precisions
-            .iter()
-            .zip(&x)
-            .map(|(p, x)| p.ln() - p * x * x)
-            .sum();
-        let of_window = |form: &Option<Reduced>| -0.5 * loss::of_window(form);
-        Some(Told {
-            windows: self.forms.iter().map(of_window).collect(),
-            numbers: 0.5 * prior - volume,
-        })
+        Told::at(&self.forms, &precisions, &x)
     }
 
     /// The state after `share` of the step that the quadratic forms suggest.
@@ -112,26 +100,51 @@ impl State {
             .zip(&self.forms)
             .zip(&data.windows)
             .map(|((start, form), window)| match form {
-                Some(form) => Start::from(window.moved(&start.state, &form.start_change(&step))),
+                Some(form) => Start {
+                    state: window.moved(&start.state, &form.start_change(&step)),
+                    torques: form.torques(&step),
+                },
                 None => start.clone(),
             })
             .collect();
-        Self::at(basis, data, root, hypothesis, weights, starts)
+        let disturbance = self.fit.disturbance;
+        Self::at(
+            basis,
+            data,
+            root,
+            (hypothesis, weights),
+            starts,
+            disturbance,
+        )
+    }
+
+    /// The same under the fluctuation of friction with which it explains the windows best.
+    pub(super) fn with_best_fluctuation(
+        mut self,
+        basis: &Basis<'_>,
+        data: &Data,
+        root: &DMatrix<f64>,
+    ) -> Self {
+        let values: Vec<f64> = (root * &self.weights).iter().copied().collect();
+        let augmented = basis.augmented(&self.fit.grams, &values);
+        for relative in FLUCTUATIONS {
+            let disturbance = Disturbance {
+                relative,
+                ..self.fit.disturbance
+            };
+            let forms = reduced(data, &self.fit.starts, &augmented, &disturbance);
+            let forms = in_weights(&forms, self.fit.hypothesis.dimension(), root);
+            let loss = loss::total(&forms, &self.fit.hypothesis) + self.weights.norm_squared();
+            if loss < self.loss {
+                self.fit.disturbance = disturbance;
+                (self.loss, self.forms) = (loss, forms);
+            }
+        }
+        self
     }
 }
 
 /// Windows as quadratic forms in `own` free numbers and the weights of the columns of `root`.
-fn forms(
-    data: &Data,
-    starts: &[Start],
-    augmented: &[Option<Gram>],
-    own: usize,
-    root: &DMatrix<f64>,
-) -> Vec<Option<Reduced>> {
-    let forms = reduced(data, starts, augmented, &Disturbance::NONE);
-    in_weights(&forms, own, root)
-}
-
 pub(super) fn in_weights(
     forms: &[Option<Reduced>],
     own: usize,
@@ -144,7 +157,7 @@ pub(super) fn in_weights(
     forms.iter().map(|form| form.as_ref().map(mapped)).collect()
 }
 
-/// The fit of a function on top of `base`.
+/// The fit of a function on top of `base`, where friction fluctuates as much as there.
 pub(super) fn fitted(
     basis: &Basis<'_>,
     data: &Data,
@@ -155,9 +168,9 @@ pub(super) fn fitted(
         basis,
         data,
         root,
-        base.hypothesis.clone(),
-        DVector::zeros(KNOTS),
+        (base.hypothesis.clone(), DVector::zeros(KNOTS)),
         base.starts.clone(),
+        base.disturbance,
     )?;
     let mut share = 1.0;
     for _ in 0..MOST_STEPS {
