@@ -17,7 +17,8 @@ pub fn first_free<S: Scalar>(rig: &Rig<S>) -> usize {
 }
 /// Order of the Taylor polynomials of the motion.
 const ORDER: usize = 14;
-/// Most steps between two samples: a motion that needs more is nowhere near the one that was sampled.
+/// Most steps between two samples. A step of order 14 spans about two radians of the fastest oscillation, so that these are
+/// hundreds of its periods, of which the samples would tell nothing: only trials that run away come here.
 const MOST_SEGMENTS: u64 = 1000;
 /// Most columns of a Gram matrix: two for each of the small pieces, of which rounding to whole samples can make half as many again,
 /// and those of start, free numbers and residual.
@@ -64,7 +65,7 @@ pub struct Gram {
     pub starts: usize,
     /// Number of disturbance pieces.
     pub pieces: usize,
-    /// Length of a piece.
+    /// Length of a piece, before it is rounded to whole samples.
     pub piece_length: f64,
     /// Number of residuals.
     pub residuals: usize,

@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 use stickslip::expression::Coordinate;
 use stickslip::plant::Port;
 
-/// Factor of the friction below which its derivative is no longer taken from what friction is left.
+/// Least factor by which the friction of a run is divided to tell the friction without the function: a factor near zero leaves
+/// nothing to tell it from.
 const LEAST_FACTOR: f64 = 0.1;
 
 /// Where a free function acts, and over which coordinate.
