@@ -103,8 +103,10 @@ Then: stickslip show my-case --out result")]
     /// Last stage of `diagnose`: before and after on the held-out record, and the report.
     #[command(after_help = "Example: stickslip show my-case --out result")]
     Show(DiagnoseArguments),
-    /// The effects that can be named, or a page on each.
-    #[command(after_help = "Example: stickslip effects --out docs/effects")]
+    /// The effects that can be named, and what each one is.
+    #[command(
+        after_help = "Examples: stickslip effects unbalance\n          stickslip effects --out docs/effects"
+    )]
     Effects(EffectsArguments),
     /// Diagnose cases whose answers are known, and judge the findings.
     #[command(after_help = "Example: stickslip score cases --out score --leave-one-out")]

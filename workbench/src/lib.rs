@@ -23,5 +23,4 @@ pub mod info;
 pub mod map;
 pub mod oscillator;
 pub mod plot;
-pub mod random;
 pub mod simulate;

@@ -275,3 +275,22 @@ fn a_reader_that_has_gone_is_no_panic() {
         .unwrap();
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }
+
+#[test]
+fn the_page_of_one_effect_is_printed() {
+    let page = |name: &str| {
+        Command::new(env!("CARGO_BIN_EXE_stickslip"))
+            .args(["effects", name])
+            .output()
+            .unwrap()
+    };
+    let said = String::from_utf8(page("unbalance").stdout).unwrap();
+    assert!(
+        said.starts_with("# unbalance\n") && said.contains("## Equation"),
+        "{said}"
+    );
+    let refused = page("unbalence");
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(said.contains("is `unbalance` meant?"), "{said}");
+}

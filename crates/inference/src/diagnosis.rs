@@ -4,7 +4,7 @@ use crate::check::{Check, check};
 use crate::data::BLOCK;
 use crate::fit::Fit;
 use crate::hypothesis::Estimate;
-use crate::learned::{Learned, lead, learn};
+use crate::learned::{Learned, learn};
 use crate::policy::{NAMED, SURELY};
 use crate::problem::Problem;
 use crate::search::{Candidate, search};
@@ -107,25 +107,7 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
     } else {
         structures(data, &best.fit)
     };
-    let mut check = check(problem, &best.fit, &structure_left);
-    // What a cause explains, a free function cannot explain better: it needs more numbers to do so.
-    if check.is_passed()
-        && !best.effects.is_empty()
-        && let Some((family, lead)) = lead(
-            problem,
-            &found.base.fit,
-            &best.fit,
-            best.effects.len(),
-            progress,
-        )
-        && lead > 0.0
-    {
-        check.reasons.push(format!(
-            "a free function of {} at {} explains more, by {lead:.0} in log evidence",
-            family.over.name(),
-            family.port.name(),
-        ));
-    }
+    let check = check(problem, &best.fit, &structure_left, progress);
     let learned = if check.is_passed() {
         None
     } else {

@@ -12,7 +12,6 @@ use self::equation::Equation;
 use self::laws::{hysteresis, stiction, stribeck};
 use crate::hypothesis::{Free, Hypothesis};
 use crate::law_start::Scatter;
-use crate::policy::LEAST_SHARE;
 use crate::scales::Scales;
 use crate::units::PlantUnits;
 use stickslip::parameter::{ParameterError, ParameterInfo};
@@ -144,22 +143,6 @@ impl Effect {
     #[must_use]
     pub fn prefix(&self) -> &'static str {
         if self.is_law() { "contact." } else { self.name }
-    }
-
-    /// Whether the effect changes what it acts on by too little to be told from what no model of the rig gets right.
-    #[must_use]
-    pub fn is_immaterial(&self, fitted: &Hypothesis) -> bool {
-        if self.is_law() || matches!(self.form, Form::Bristles) {
-            return false;
-        }
-        let vanishing = match &self.form {
-            Form::Equation(equation) => equation.amplitudes(),
-            Form::Polar { .. } => 2,
-            _ => 1,
-        };
-        fitted
-            .size_of(self.name, vanishing)
-            .is_some_and(|size| USUAL * size < LEAST_SHARE)
     }
 
     /// Whether a start is so far from the best numbers that a step or two are needed to see what it promises.

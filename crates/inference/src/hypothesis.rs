@@ -202,14 +202,6 @@ impl Hypothesis {
         first.map(|first| (first, width))
     }
 
-    /// Size in usual sizes of an effect the first `count` of whose numbers vanish with it.
-    #[must_use]
-    pub fn size_of(&self, effect: &str, count: usize) -> Option<f64> {
-        let (first, width) = self.numbers_of(effect)?;
-        let vanishing = &self.x[first..first + count.min(width)];
-        Some(vanishing.iter().map(|x| x * x).sum::<f64>().sqrt())
-    }
-
     /// The lowest value of a number that may go down to `low`: nothing breaks away below what it slides at.
     fn lowest(&self, name: &str, low: f64) -> f64 {
         let sliding = (name == "contact.mu_s").then(|| {

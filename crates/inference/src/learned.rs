@@ -31,9 +31,6 @@ const SIZES: [f64; 3] = [0.1, 0.3, 1.0];
 const FOLLOWED: usize = 3;
 /// Steps of a fit that is carried over to small pieces.
 const CLOSER: usize = 3;
-/// Windows on which a function is compared with a set of effects.
-const COMPARED: usize = 100;
-
 /// A function that was learned.
 #[derive(Clone, Debug)]
 pub struct Learned {
@@ -54,35 +51,35 @@ pub struct Learned {
 /// The function that explains most of what `base`, the analyst's refitted model, leaves; `None` where none explains anything.
 #[must_use]
 pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> Option<Learned> {
+    progress("what a free function explains");
     let long = &problem.long;
     // Fluctuating friction stands in for what is missing: the function is learned as if there were none.
-    let found = Found::new(
-        problem,
-        base,
-        long.windows.len(),
-        Disturbance::NONE,
-        progress,
-    )?;
-    let Found {
-        told,
-        state,
-        basis,
-        root,
-        ..
-    } = &found;
-    let gain = told.total() - found.without.total();
+    let data = long.clone().finely_divided();
+    let hypothesis = base.hypothesis.clone();
+    let starts = without_torques(&base.starts);
+    let base = Fit::at(&data, hypothesis, starts, Disturbance::NONE).improved_calmly(&data, CLOSER);
+    let without = base.told(&data);
+    let mut best: Option<(Told, State, Basis<'_>, DMatrix<f64>)> = None;
+    for (_, basis, root) in looks(problem, &data, &base) {
+        progress(&basis.family.name());
+        let Some(state) = fitted(&basis, &data, &root, &base) else {
+            continue;
+        };
+        let told = state.told();
+        let is_better = |(other, ..): &(Told, _, _, _)| told.total() > other.total();
+        if best.as_ref().is_none_or(is_better) {
+            best = Some((told, state, basis, root));
+        }
+    }
+    let (told, state, basis, root) = best?;
+    let gain = told.total() - without.total();
     if gain < -LN_PRIOR_ODDS {
         return None;
     }
-    let (table, deviations) = tabulated(basis, state, root)?;
+    let (table, deviations) = tabulated(&basis, &state, &root)?;
     let hypothesis = state.fit.hypothesis.clone();
-    // The torques of small pieces have no place in large ones.
-    let starts = state
-        .fit
-        .starts
-        .iter()
-        .map(|start| Start::from(start.state));
-    let fit = Fit::at(long, hypothesis, starts.collect(), Disturbance::NONE);
+    let starts = without_torques(&state.fit.starts);
+    let fit = Fit::at(long, hypothesis, starts, Disturbance::NONE);
     Some(Learned {
         family: basis.family,
         range: [
@@ -96,96 +93,12 @@ pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> O
     })
 }
 
-/// The function that explains most of what `base` leaves, and its log odds over `fit`, which has so many effects more than that; both
-/// on a part of the windows, and each under the fluctuation of friction that suits it best.
-///
-/// All that a window tells counts: a set that explains most windows and fails in some is not the cause.
-#[must_use]
-pub fn lead(
-    problem: &Problem,
-    base: &Fit,
-    fit: &Fit,
-    effects: usize,
-    progress: &mut dyn FnMut(&str),
-) -> Option<(Family, f64)> {
-    let Found {
-        data,
-        kept,
-        state,
-        basis,
-        root,
-        ..
-    } = Found::new(problem, base, COMPARED, fit.disturbance, progress)?;
-    let own = state.with_best_fluctuation(&basis, &data, &root).told();
-    let other = on(&data, &kept, fit, fit.disturbance)
-        .with_best_fluctuation(&data)
-        .told(&data);
-    let more = effects as f64 - 1.0;
-    let lead = own.total() - other.total() - LN_PRIOR_ODDS * more;
-    Some((basis.family, lead))
-}
-
-/// A fit carried over to some of its windows, in small pieces.
-fn on(data: &Data, kept: &[usize], fit: &Fit, disturbance: Disturbance) -> Fit {
-    let starts = kept.iter().map(|&j| Start::from(fit.starts[j].state));
-    let hypothesis = fit.hypothesis.clone();
-    Fit::at(data, hypothesis, starts.collect(), disturbance).improved_calmly(data, CLOSER)
-}
-
-/// The best function on some of the windows.
-struct Found<'a> {
-    /// The windows, in small pieces, and which of the problem's they are.
-    data: Data,
-    kept: Vec<usize>,
-    /// Log evidence of the analyst's model.
-    without: Told,
-    /// Log evidence with the function.
-    told: Told,
-    state: State,
-    basis: Basis<'a>,
-    /// Square root of the covariance of the values at the knots.
-    root: DMatrix<f64>,
-}
-
-impl<'a> Found<'a> {
-    fn new(
-        problem: &'a Problem,
-        base: &Fit,
-        most: usize,
-        disturbance: Disturbance,
-        progress: &mut dyn FnMut(&str),
-    ) -> Option<Self> {
-        progress("what a free function explains");
-        let count = problem.long.windows.len();
-        let kept: Vec<usize> = (0..count).step_by(count.div_ceil(most).max(1)).collect();
-        let data = problem.long.part(&kept).finely_divided();
-        let base = on(&data, &kept, base, disturbance);
-        let without = base.told(&data);
-        let mut best: Option<(Told, State, Basis<'_>, DMatrix<f64>)> = None;
-        for (_, basis, root) in looks(problem, &data, &base) {
-            progress(&basis.family.name());
-            let Some(state) = fitted(&basis, &data, &root, &base) else {
-                continue;
-            };
-            let told = state.told();
-            if best
-                .as_ref()
-                .is_none_or(|(other, ..)| told.total() > other.total())
-            {
-                best = Some((told, state, basis, root));
-            }
-        }
-        let (told, state, basis, root) = best?;
-        Some(Self {
-            data,
-            kept,
-            without,
-            told,
-            state,
-            basis,
-            root,
-        })
-    }
+/// The same starts for pieces of another length, in which these torques have no place.
+fn without_torques(starts: &[Start]) -> Vec<Start> {
+    starts
+        .iter()
+        .map(|start| Start::from(start.state))
+        .collect()
 }
 
 /// The families that promise most in one step from `base`, each with the smoothness and the size that do.

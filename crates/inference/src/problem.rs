@@ -76,9 +76,6 @@ impl Problem {
         let scales = Scales::of(&plant, &runs, resolution);
         let runs = Arc::new(runs);
         let deviations: [f64; CHANNELS] = instruments.deviations();
-        let seen = runs
-            .iter()
-            .all(|run| run.has(channel::THETA) || run.has(channel::OMEGA));
         let cut = |length: f64| {
             Data::new(
                 Arc::clone(&runs),
@@ -89,11 +86,8 @@ impl Problem {
                 Begin::Clear,
             )
         };
-        let (long, short) = if seen {
-            (cut(LENGTH), cut(SHORT).undivided())
-        } else {
-            (cut(UNSEEN), cut(LENGTH).undivided())
-        };
+        let [long, short] = lengths(&runs);
+        let (long, short) = (cut(long), cut(short).undivided());
         let mut effects = EFFECTS.to_vec();
         for supposition in &catalogue.supposed {
             effects.push(Effect::supposed(supposition, &plant, &scales, &units)?);
@@ -108,6 +102,16 @@ impl Problem {
             short,
             effects,
         })
+    }
+
+    /// Records of the same plant, in its units, in windows of usual length that start as `begin` wants it.
+    #[must_use]
+    pub fn windows_of(&self, runs: Arc<Vec<Run>>, begin: Begin) -> Data {
+        let [length, _] = lengths(&runs);
+        let Data {
+            scales, deviations, ..
+        } = self.long;
+        Data::new(runs, &self.rig, scales, deviations, length, begin)
     }
 
     /// The effect of this name.
@@ -135,5 +139,15 @@ impl Problem {
     #[must_use]
     pub fn hypothesis(&self) -> Hypothesis {
         Hypothesis::base(&self.rig, &self.uncertainties)
+    }
+}
+
+/// Lengths of usual and of short windows: longer where nothing was measured of the disc.
+fn lengths(runs: &[Run]) -> [f64; 2] {
+    let is_seen = |run: &Run| run.has(channel::THETA) || run.has(channel::OMEGA);
+    if runs.iter().all(is_seen) {
+        [LENGTH, SHORT]
+    } else {
+        [UNSEEN, LENGTH]
     }
 }

@@ -54,6 +54,8 @@ pub struct RawRecord {
     pub normal_force: Vec<f64>,
     /// The same on disc D1; empty where there is none.
     pub normal_force_1: Vec<f64>,
+    /// Standard deviations of the load cells' noise before, on D2 and D1 [N].
+    pub load_deviations: [f64; 2],
     /// Readings of the channels.
     pub readings: [Vec<f64>; CHANNELS],
 }
@@ -71,6 +73,8 @@ pub struct Run {
     pub normal_force: Vec<f64>,
     /// Normal force on disc D1; empty where there is none.
     pub normal_force_1: Vec<f64>,
+    /// Standard deviations of the noise that the two were freed from.
+    pub load_deviations: [f64; 2],
     /// Readings, in the middle of their steps; empty where a channel was not measured.
     pub readings: [Vec<f64>; CHANNELS],
     /// Angle, velocity and acceleration of the bodies as the readings tell them.
@@ -101,6 +105,7 @@ impl Run {
             voltage: scaled(&raw.voltage, units.voltage()),
             normal_force: scaled(&raw.normal_force, units.force),
             normal_force_1: scaled(&raw.normal_force_1, units.force),
+            load_deviations: raw.load_deviations.map(|noise| noise / units.force),
             readings,
             traces: Traces::default(),
         };

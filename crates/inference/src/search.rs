@@ -140,8 +140,8 @@ fn explore(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnM
     }
 }
 
-/// Sets of one effect more than `current` that explain more but are no answer, since that effect changes next to nothing or ends
-/// its range: what they explain, the numbers of the others may explain as well once they are free to get there.
+/// Sets of one effect more than `current` that explain more but are no answer, since a number of that effect ends its range: what
+/// they explain, the numbers of the others may explain as well once they are free to get there.
 fn stand_ins(current: &Candidate, known: &[Candidate]) -> Vec<Candidate> {
     known
         .iter()

@@ -3,7 +3,7 @@
 //! A trial replaces its parent when it is not worse. Where the cost is flat at zero, the population therefore keeps moving
 //! and spreads over the set of all solutions.
 
-use crate::random::Random;
+use inference::random::Random;
 
 /// A point of the unit cube with its cost.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,7 @@ use inference::instruments::{contradictions, estimate, load_noise};
 use inference::problem::{Catalogue, Problem};
 use inference::record::{CHANNELS, Instruments, RawRecord};
 use inference::units::PlantUnits;
-use inference::window::{Begin, LENGTH, UNSEEN};
+use inference::window::Begin;
 use stickslip::parameter::ParameterError;
 use stickslip::plant::{ModelFile, ModelFileError, Supposition};
 use thiserror::Error;
@@ -275,6 +275,7 @@ impl Material {
         for record in runs.iter_mut().chain(&mut held_out) {
             record.normal_force = denoise(&record.normal_force, noise);
             record.normal_force_1 = denoise(&record.normal_force_1, noise_1);
+            record.load_deviations = [noise, noise_1];
         }
         notes.extend(note_on_inputs(&runs));
         let case = Case {
@@ -329,21 +330,8 @@ impl Case {
     /// As for [`Self::problem`].
     pub fn judging(&self, begin: Begin) -> Result<Judging, ParameterError> {
         let problem = self.problem_of(&self.held_out)?;
-        let whole = &problem.long;
-        let seen = self.held_out.iter().all(|record| {
-            use inference::record::channel::{OMEGA, THETA};
-            [THETA, OMEGA]
-                .iter()
-                .any(|c| !record.readings[*c].is_empty())
-        });
-        let data = Data::new(
-            std::sync::Arc::clone(&whole.runs),
-            &problem.rig,
-            whole.scales,
-            whole.deviations,
-            if seen { LENGTH } else { UNSEEN },
-            begin,
-        );
+        let runs = std::sync::Arc::clone(&problem.long.runs);
+        let data = problem.windows_of(runs, begin);
         Ok(Judging {
             units: problem.units,
             data,
@@ -441,6 +429,7 @@ fn stretches(checked: &Checked) -> Vec<RawRecord> {
                 normal_force: normal_force.clone(),
                 normal_force_1: normal_force_1.clone(),
                 readings: readings.clone(),
+                ..RawRecord::default()
             }
         })
         .collect()

@@ -1,15 +1,17 @@
-//! `stickslip effects`: one page per effect of the catalogue.
+//! `stickslip effects`: what the catalogue has, and a page on each effect.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use build_fmu::documentation::equations;
 use clap::Args;
+use inference::problem::Catalogue;
 use stickslip::friction::{CoulombStiction, Stribeck, TwoGaussianMu};
 use stickslip::parameter::ParameterInfo;
 use stickslip::plant::effect_infos;
 
 use super::amend::law_of;
+use super::case::check_effect;
 use super::catalogue::{CATALOGUE, Entry};
 use crate::cli::Outcome;
 use crate::files::atomic;
@@ -17,7 +19,10 @@ use crate::files::atomic;
 /// Arguments of `effects`.
 #[derive(Debug, Args)]
 pub struct EffectsArguments {
-    /// Directory for the pages; without it the names are listed.
+    /// The effect whose page is printed; without it all are listed.
+    #[arg(conflicts_with = "out")]
+    name: Option<String>,
+    /// Directory for a page on each.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -25,15 +30,21 @@ pub struct EffectsArguments {
 /// Runs the subcommand.
 ///
 /// # Errors
-/// A page cannot be written.
+/// A page cannot be written, or no effect has the name.
 pub fn command(arguments: &EffectsArguments) -> anyhow::Result<Outcome> {
-    match &arguments.out {
-        None => {
+    match (&arguments.name, &arguments.out) {
+        (Some(name), _) => {
+            check_effect(name, &Catalogue::default())?;
+            for entry in CATALOGUE.iter().filter(|entry| entry.name == name) {
+                print!("{}", page(entry));
+            }
+        }
+        (None, None) => {
             for entry in CATALOGUE {
                 println!("{:24} {}", entry.name, entry.description);
             }
         }
-        Some(directory) => {
+        (None, Some(directory)) => {
             for (file, text) in pages() {
                 atomic::write_file(&directory.join(&file), text.as_bytes())?;
                 println!("{}", directory.join(file).display());

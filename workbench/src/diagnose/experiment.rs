@@ -290,7 +290,7 @@ fn inputs(problem: &Problem, candidate: &Inputs) -> RawRecord {
         voltage,
         normal_force,
         normal_force_1,
-        readings: Default::default(),
+        ..RawRecord::default()
     }
 }
 

@@ -189,7 +189,7 @@ pub const NO_EFFECT: &str = "no_effect";
 /// What is left of the records, compared with what a right model leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CheckResult {
-    /// Probability that nothing is missing which the catalogue does not have.
+    /// Probability that records of the fitted model itself leave as much structure.
     pub p_value: f64,
     /// Squared residuals over their number: about 1 where nothing but noise is left.
     pub misfit: f64,

@@ -38,6 +38,11 @@ pub fn explain_without_cause(
             "a function was learned, {}, but with it the model predicts the held-out record worse than without: it is left out",
             readable(&learned.family.name())
         ));
+    } else {
+        finding.notes.push(
+            "no function of one coordinate was learned: none explains enough, or the model has as many effects by equation as it can"
+                .to_owned(),
+        );
     }
     let rig = problem.units.to_si(&base.hypothesis.rig_at()?)?;
     if is_worse(case, &rig)? {

@@ -9,7 +9,7 @@ use stickslip::series::{evaluate, evaluate_derivative};
 
 use super::ExperimentError;
 use crate::analysis::spectrum::Spectrum;
-use crate::random::Random;
+use inference::random::Random;
 
 const REDUCED_RIG: &str = include_str!("../../../modelDescription/reduced-rig.toml");
 const FULL_RIG: &str = include_str!("../../../modelDescription/full-rig.toml");

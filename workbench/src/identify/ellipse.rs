@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn a_noisy_ellipse_is_found() {
-        let mut random = crate::random::Random::new(5);
+        let mut random = inference::random::Random::new(5);
         let truth = Ellipse {
             centre: 5.9,
             velocity: 6.1,

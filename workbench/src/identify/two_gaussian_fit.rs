@@ -136,7 +136,7 @@ mod tests {
         let truth = TwoGaussians {
             parameters: [0.27, -3.07, 1.29, 0.186, 0.48, 2.62],
         };
-        let mut random = crate::random::Random::new(11);
+        let mut random = inference::random::Random::new(11);
         let angle: Vec<f64> = (0..400)
             .map(|k| -3.1 + 6.2 * f64::from(k) / 399.0)
             .collect();

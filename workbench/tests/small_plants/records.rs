@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use workbench::random::Random;
+use inference::random::Random;
 
 pub const DRIVE: &str = r#"
 [plant]

@@ -230,12 +230,6 @@ impl Equation {
             .any(|number| matches!(number, Number::Shape { .. }))
     }
 
-    /// How many numbers, the first of the effect's own, vanish with it.
-    pub fn amplitudes(&self) -> usize {
-        let vanish = |number: &&Number| !matches!(number, Number::Shape { .. });
-        self.numbers.iter().filter(vanish).count()
-    }
-
     /// The hypotheses from which fits start on top of `base`.
     pub fn starts(&self, base: &Hypothesis) -> Vec<Hypothesis> {
         let mut sets: Vec<Vec<f64>> = vec![Vec::new()];

@@ -4,10 +4,11 @@ use super::basis::{Basis, KNOTS};
 use super::table::TableEffect;
 use crate::data::{Data, grams, reduced};
 use crate::evidence::Told;
-use crate::fit::{FLUCTUATIONS, Fit};
+use crate::fit::Fit;
 use crate::hypothesis::Hypothesis;
 use crate::loss;
-use crate::marginal::{Disturbance, Reduced};
+use crate::marginal::Disturbance;
+use crate::marginal::Reduced;
 use crate::window::Start;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -116,31 +117,6 @@ impl State {
             starts,
             disturbance,
         )
-    }
-
-    /// The same under the fluctuation of friction with which it explains the windows best.
-    pub(super) fn with_best_fluctuation(
-        mut self,
-        basis: &Basis<'_>,
-        data: &Data,
-        root: &DMatrix<f64>,
-    ) -> Self {
-        let values: Vec<f64> = (root * &self.weights).iter().copied().collect();
-        let augmented = basis.augmented(&self.fit.grams, &values);
-        for relative in FLUCTUATIONS {
-            let disturbance = Disturbance {
-                relative,
-                ..self.fit.disturbance
-            };
-            let forms = reduced(data, &self.fit.starts, &augmented, &disturbance);
-            let forms = in_weights(&forms, self.fit.hypothesis.dimension(), root);
-            let loss = loss::total(&forms, &self.fit.hypothesis) + self.weights.norm_squared();
-            if loss < self.loss {
-                self.fit.disturbance = disturbance;
-                (self.loss, self.forms) = (loss, forms);
-            }
-        }
-        self
     }
 }
 

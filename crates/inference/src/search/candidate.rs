@@ -22,16 +22,14 @@ pub struct Candidate {
     pub foretold: Told,
     /// Whether a law of the set is what it becomes in its limit, as far as its numbers are known.
     pub is_at_limit: bool,
-    /// Whether each of its effects changes what it acts on by enough to be told from what no model gets right.
-    pub is_material: bool,
 }
 
 impl Candidate {
-    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, one of whose effects changes next to nothing, or whose law may as well be the one that it becomes in its limit.
+    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, or whose law may as well be the one that it becomes in its limit.
     #[must_use]
     pub fn score(&self) -> f64 {
         let hypothesis = &self.fit.hypothesis;
-        if hypothesis.at_an_end().is_empty() && !self.is_at_limit && self.is_material {
+        if hypothesis.at_an_end().is_empty() && !self.is_at_limit {
             self.evidence + LN_PRIOR_ODDS * self.effects.len() as f64
         } else {
             f64::NEG_INFINITY
@@ -68,9 +66,6 @@ pub(super) fn candidate(problem: &Problem, fit: Fit) -> Candidate {
     let is_at_limit = is_at_limit(&fit, &problem.long, &added);
     Candidate {
         effects: added.iter().map(|effect| effect.name).collect(),
-        is_material: !added
-            .iter()
-            .any(|effect| effect.is_immaterial(&fit.hypothesis)),
         fit,
         evidence,
         told,

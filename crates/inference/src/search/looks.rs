@@ -13,8 +13,6 @@ use crate::problem::Problem;
 use crate::window::Start;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// Log evidence that a set with one effect exchanged may promise less than the present one to be fitted.
-const NEARLY: f64 = -40.0;
 /// Windows that suffice for the first looks.
 const LOOK_WINDOWS: usize = 80;
 /// How many starts are followed for each that may be of one effect.
@@ -252,7 +250,7 @@ pub(super) fn swapped(
                     .sum::<f64>();
             let prior: f64 = others.iter().map(|&j| precisions[j].ln()).sum();
             let promised = -0.5 * (after + volume - prior);
-            if promised < nothing + NEARLY {
+            if promised < nothing + LN_PRIOR_ODDS {
                 continue;
             }
             let mut moved = hypothesis.clone();

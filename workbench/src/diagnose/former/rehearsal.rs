@@ -15,7 +15,7 @@ use super::fit::{Fit, fit};
 use super::marginal::Disturbance;
 use super::run::{CHANNELS, Run};
 use super::structure::{Coordinate, Structure, structures};
-use crate::random::Random;
+use inference::random::Random;
 
 /// Most rehearsals; what the strongest of them leaves is what chance may leave.
 const REHEARSALS: u64 = 4;

@@ -15,7 +15,7 @@ pub fn candidates(finding: &Finding) -> String {
     }
     let check = finding.check.map_or(String::new(), |check| {
         format!(
-            "<p>The check of what is left: a right model leaves as much structure with p = {}. Squared residuals over their \
+            "<p>The check of what is left: records of the fitted model itself leave as much structure with a probability of {}. Squared residuals over their \
              number are {}.</p>\n",
             number(check.p_value),
             number(check.misfit)

@@ -3,7 +3,7 @@
 use super::least_squares::{Fit, fit};
 use super::motion::Scales;
 use super::problem::Problem;
-use crate::random::Random;
+use inference::random::Random;
 
 /// Steps of a refit that leaves a fold out; it starts from the fit to everything.
 const REFIT_STEPS: usize = 3;
