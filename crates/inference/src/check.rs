@@ -9,8 +9,9 @@ use crate::structure::{Coordinate, Structure};
 /// What is left of the records.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// Probability that records of the fitted model itself leave as much structure.
-    pub p_value: f64,
+    /// Probability that records of the fitted model itself leave as much structure; `None` where so little is left that nobody has
+    /// to ask.
+    pub p_value: Option<f64>,
     /// Squared residuals over their number in the window in the middle of all.
     pub misfit: f64,
     /// The most that a free torque over one coordinate gains in log evidence.
@@ -41,18 +42,22 @@ pub fn check(
         .iter()
         .filter(|s| s.gain > -LN_ODDS_OF_STRUCTURE)
         .collect();
-    let strongest = structure.first().map_or(0.0, |s| s.gain);
-    let mut p_value = 1.0;
-    for (suspect, p) in beside_replicas(problem, fit, suspects, progress) {
-        if p < SIGNIFICANT && reasons.is_empty() {
-            reasons.push(format!(
-                "a free torque over {} would still gain {:.0} in log evidence, as replicas of the records would leave it with a \
-                 probability of {p:.0e}",
-                suspect.coordinate.name().replace('_', " "),
-                suspect.gain
-            ));
-        }
-        p_value = p.min(p_value);
+    let beside = beside_replicas(problem, fit, &suspects, progress);
+    if beside.is_none() {
+        reasons.push(
+            "it leaves structure, and the fitted model cannot run through the records to tell whether that is chance".to_owned(),
+        );
+    }
+    let least = beside.iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1));
+    if let Some((suspect, p_value)) = least
+        && *p_value < SIGNIFICANT
+    {
+        reasons.push(format!(
+            "a free torque over {} would still gain {:.0} in log evidence; {REPLICAS} replicas of the records give so much a \
+             probability of {p_value:.0e}",
+            suspect.coordinate.name().replace('_', " "),
+            suspect.gain
+        ));
     }
     if misfit > MOST_MISFIT {
         reasons.push(format!(
@@ -66,38 +71,36 @@ pub fn check(
         ));
     }
     Check {
-        p_value,
+        p_value: least.map(|(_, p_value)| *p_value),
         misfit,
-        structure: strongest,
+        structure: structure.first().map_or(0.0, |s| s.gain),
         reasons,
     }
 }
 
-/// The `suspects`, each with the probability that a replica of the records leaves as much; 1 where one does.
+/// The `suspects`, each with the probability that a replica of the records leaves as much; `None` where the model cannot run
+/// through the records. Once a replica leaves as much of every one of them, the others are not needed.
 fn beside_replicas<'a>(
     problem: &Problem,
     fit: &Fit,
-    suspects: Vec<&'a Structure>,
+    suspects: &[&'a Structure],
     progress: &mut dyn FnMut(&str),
-) -> Vec<(&'a Structure, f64)> {
-    let mut beside: Vec<(&Structure, Vec<f64>)> =
-        suspects.into_iter().map(|own| (own, Vec::new())).collect();
+) -> Option<Vec<(&'a Structure, f64)>> {
+    let mut replicas: Vec<Vec<Structure>> = Vec::new();
+    let gains = |replicas: &[Vec<Structure>], own: &Structure| -> Vec<f64> {
+        let over = |left: &Vec<Structure>| gain_over(left, own.coordinate);
+        replicas.iter().map(over).collect()
+    };
     for seed in 1..=REPLICAS {
-        if beside.is_empty() {
+        let is_matched = |own: &&Structure| gains(&replicas, own).iter().any(|g| *g >= own.gain);
+        if suspects.iter().all(is_matched) {
             break;
         }
         progress("what replicas of the records leave");
-        if let Some(left) = left_of_replica(problem, fit, seed) {
-            for (own, gains) in &mut beside {
-                gains.push(gain_over(&left, own.coordinate));
-            }
-            beside.retain(|(own, gains)| gains.iter().all(|gain| *gain < own.gain));
-        }
+        replicas.push(left_of_replica(problem, fit, seed)?);
     }
-    beside
-        .into_iter()
-        .map(|(own, gains)| (own, exceeded(own.gain, gains)))
-        .collect()
+    let p_value = |own: &&'a Structure| (*own, exceeded(own.gain, gains(&replicas, own)));
+    Some(suspects.iter().map(p_value).collect())
 }
 
 fn gain_over(left: &[Structure], coordinate: Coordinate) -> f64 {
@@ -106,18 +109,18 @@ fn gain_over(left: &[Structure], coordinate: Coordinate) -> f64 {
         .map_or(f64::NEG_INFINITY, |s| s.gain)
 }
 
-/// Probability that a gain in log evidence like those of `replicas` exceeds `gain`: half of them exceed their median, and beyond
-/// it, as half of a χ², they fall off exponentially. 0 without replicas, of which the model could run through none.
+/// Probability that a gain in log evidence like those of `replicas` reaches `gain`: half of them exceed their median, and beyond
+/// it, as half of a χ², they fall off exponentially; no less than the share of them that do reach it.
 fn exceeded(gain: f64, mut replicas: Vec<f64>) -> f64 {
-    replicas.retain(|gain| gain.is_finite());
+    replicas.retain(|own| own.is_finite());
     replicas.sort_by(f64::total_cmp);
     let upper = &replicas[replicas.len() / 2..];
-    let Some(&median) = upper.first() else {
-        return 0.0;
-    };
+    let median = upper.first().copied().unwrap_or(f64::NEG_INFINITY);
     let beyond: f64 = upper.iter().map(|gain| gain - median).sum();
-    let mean = beyond / (upper.len() - 1).max(1) as f64;
-    0.5 * (-(gain - median).max(0.0) / mean).exp()
+    let mean = beyond / upper.len().saturating_sub(1) as f64;
+    let reaching = replicas.iter().filter(|own| **own >= gain).count();
+    let share = reaching as f64 / replicas.len() as f64;
+    (0.5 * (-(gain - median).max(0.0) / mean).exp()).max(share)
 }
 
 #[cfg(test)]
@@ -130,7 +133,13 @@ mod tests {
         let heavy = || vec![-12.0, -11.0, -10.0, 5.0, 15.0];
         assert!(exceeded(10.0, calm()) < 1e-5);
         assert!(exceeded(20.0, heavy()) > 0.05);
-        assert!((exceeded(-10.0, calm()) - 0.5).abs() < 1e-12);
-        assert_eq!(exceeded(10.0, Vec::new()), 0.0);
+        assert!((exceeded(-7.5, calm()) - 0.5 * (-2.5_f64 / 1.5).exp()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_a_replica_leaves_too_is_no_surprise() {
+        let outlier = vec![-12.0, -11.9, -11.8, -11.7, -11.6, -11.5, -11.4, -11.3, 30.0];
+        assert!(exceeded(29.0, outlier) >= 1.0 / 9.0);
+        assert_eq!(exceeded(5.0, vec![20.0]), 1.0);
     }
 }

@@ -6,7 +6,6 @@ use crate::gram::Gram;
 use crate::hypothesis::Hypothesis;
 use crate::loss;
 use crate::marginal::{Disturbance, Reduced};
-use crate::policy::FAR;
 use crate::window::Start;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -25,8 +24,6 @@ const LONGER: f64 = 2.0;
 const SHORTEST: f64 = 1e-4;
 /// Loss that a window may gain in a step before other starts are tried for it.
 const SUSPECT: f64 = 6.0;
-/// Fluctuations of friction, in standard deviations, that are tried on a disc that sticks.
-const SHIFTS: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 /// Standard deviations of fluctuating friction, relative to it, among which a fit chooses.
 const FLUCTUATIONS: [f64; 8] = [0.0, 0.004, 0.008, 0.016, 0.03, 0.05, 0.08, 0.15];
 
@@ -305,7 +302,6 @@ impl State<'_> {
         for fallback in [&fit.starts[..], anchors] {
             rescue(data, &self.forms, fallback, &mut trial, &mut forms);
         }
-        loosen(data, &mut trial, &mut forms);
         trial.loss = loss::total(&forms, &trial.hypothesis);
         Some((trial, forms))
     }
@@ -332,69 +328,19 @@ pub(crate) fn rescue(
     forms: &mut [Option<Reduced>],
 ) {
     let worse: Vec<usize> = (0..forms.len())
-        .filter(|&j| loss::of_window(&forms[j]) > loss::of_window(&before[j]) + SUSPECT)
-        .collect();
-    try_starts(data, &worse, fallback, fit, forms);
-}
-
-/// Tries torques of fluctuating friction on a disc that sticks, in windows that are missed: a disc that breaks away a little earlier
-/// or later than the model's is far from it, and no derivative tells how to bring the two together.
-fn loosen(data: &Data, fit: &mut Fit, forms: &mut [Option<Reduced>]) {
-    let relative = fit.disturbance.relative;
-    let missed: Vec<usize> = (0..forms.len())
         .filter(|&j| {
-            let form = forms[j].as_ref();
-            form.is_some_and(|form| form.square > FAR * form.residuals as f64)
+            loss::of_window(&forms[j]) > loss::of_window(&before[j]) + SUSPECT
+                && fit.starts[j] != fallback[j]
         })
         .collect();
-    if relative == 0.0 || missed.is_empty() {
+    if worse.is_empty() {
         return;
     }
-    for shift in SHIFTS {
-        let shifted: Vec<Start> = fit
-            .starts
-            .iter()
-            .zip(&fit.grams)
-            .map(|(start, gram)| {
-                let places = gram.as_ref().map_or(&[][..], |gram| &gram.places);
-                let torques = places.iter().enumerate().map(|(piece, place)| {
-                    if place.sliding {
-                        start.torques.get(piece).copied().unwrap_or(0.0)
-                    } else {
-                        shift * relative * place.friction
-                    }
-                });
-                Start {
-                    state: start.state,
-                    torques: torques.collect(),
-                }
-            })
-            .collect();
-        try_starts(data, &missed, &shifted, fit, forms);
-    }
-}
-
-/// Starts these windows from `fallback` where that explains them better.
-fn try_starts(
-    data: &Data,
-    windows: &[usize],
-    fallback: &[Start],
-    fit: &mut Fit,
-    forms: &mut [Option<Reduced>],
-) {
-    let tried: Vec<usize> = windows
-        .iter()
-        .copied()
-        .filter(|&j| fit.starts[j] != fallback[j])
-        .collect();
-    if tried.is_empty() {
-        return;
-    }
-    let part = data.part(&tried);
-    let part_starts: Vec<Start> = tried.iter().map(|&j| fallback[j].clone()).collect();
+    let part = data.part(&worse);
+    let part_starts: Vec<Start> = worse.iter().map(|&j| fallback[j].clone()).collect();
     let part_grams = grams(&part, &fit.hypothesis, &part_starts);
     let part_forms = reduced(&part, &part_starts, &part_grams, &fit.disturbance);
-    for (((j, start), gram), form) in tried
+    for (((j, start), gram), form) in worse
         .into_iter()
         .zip(part_starts)
         .zip(part_grams)

@@ -132,7 +132,7 @@ impl Played<'_> {
     }
 
     /// What presses where the load cell, freed from noise of this `deviation`, tells `force`: each level errs by what the noise
-    /// leaves of its mean. Under every law friction is in proportion to it, so that it fluctuates where friction does.
+    /// leaves of its mean. Friction is in proportion to it, but for a load exponent, so that it fluctuates where friction does.
     fn pressed(&mut self, force: &[f64], deviation: f64, interval: f64) -> Vec<f64> {
         let mut pressed = Vec::with_capacity(force.len());
         for level in force.chunk_by(|a, b| a == b) {

@@ -108,6 +108,11 @@ impl<S: Scalar> EquationEffects<S> {
         self.effects.iter().flatten()
     }
 
+    /// Whether there is room for no other.
+    pub fn is_full(&self) -> bool {
+        self.effects.iter().all(Option::is_some)
+    }
+
     /// Those that act.
     pub fn active(&self) -> impl Iterator<Item = &EquationEffect<S>> {
         self.known().filter(|effect| effect.is_on)

@@ -189,8 +189,9 @@ pub const NO_EFFECT: &str = "no_effect";
 /// What is left of the records, compared with what a right model leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CheckResult {
-    /// Probability that records of the fitted model itself leave as much structure.
-    pub p_value: f64,
+    /// Probability that records of the fitted model itself leave as much structure; `None` where so little is left that nobody has
+    /// to ask.
+    pub p_value: Option<f64>,
     /// Squared residuals over their number: about 1 where nothing but noise is left.
     pub misfit: f64,
     /// The most that a free torque over one coordinate gains in log evidence.

@@ -40,8 +40,13 @@ pub fn explain_without_cause(
         ));
     } else {
         finding.notes.push(
-            "no function of one coordinate was learned: none explains enough, or the model has as many effects by equation as it can"
-                .to_owned(),
+            if problem.rig.equations.is_full() {
+                "no function of one coordinate was learned: the model has as many effects by equation as it can have; take out one \
+                 that it does not need"
+            } else {
+                "no function of one coordinate was learned: none explains enough of what is left"
+            }
+            .to_owned(),
         );
     }
     let rig = problem.units.to_si(&base.hypothesis.rig_at()?)?;

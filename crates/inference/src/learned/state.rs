@@ -7,8 +7,7 @@ use crate::evidence::Told;
 use crate::fit::Fit;
 use crate::hypothesis::Hypothesis;
 use crate::loss;
-use crate::marginal::Disturbance;
-use crate::marginal::Reduced;
+use crate::marginal::{Disturbance, Reduced};
 use crate::window::Start;
 use nalgebra::{Cholesky, DMatrix, DVector};
 

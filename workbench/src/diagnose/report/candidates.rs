@@ -14,10 +14,17 @@ pub fn candidates(finding: &Finding) -> String {
         return String::new();
     }
     let check = finding.check.map_or(String::new(), |check| {
+        let structure = check.p_value.map_or(
+            "no structure that noise would not leave".to_owned(),
+            |p_value| {
+                format!(
+                    "structure that records of the fitted model itself leave with a probability of {}",
+                    number(p_value)
+                )
+            },
+        );
         format!(
-            "<p>The check of what is left: records of the fitted model itself leave as much structure with a probability of {}. Squared residuals over their \
-             number are {}.</p>\n",
-            number(check.p_value),
+            "<p>The check of what is left: {structure}. Squared residuals over their number are {}.</p>\n",
             number(check.misfit)
         )
     });
