@@ -13,6 +13,9 @@ use stickslip::plant::effect_infos;
 use super::amend::law_of;
 use super::case::check_effect;
 use super::catalogue::{CATALOGUE, Entry};
+use super::small_plant::catalogue as small_plant;
+use super::small_plant::term::Entry as Term;
+use super::small_plant::unit::Path;
 use crate::cli::Outcome;
 use crate::files::atomic;
 
@@ -34,13 +37,23 @@ pub struct EffectsArguments {
 pub fn command(arguments: &EffectsArguments) -> anyhow::Result<Outcome> {
     match (&arguments.name, &arguments.out) {
         (Some(name), _) => {
-            check_effect(name, &Catalogue::default())?;
+            let small = small_plant::entry(name);
+            if small.is_none() {
+                check_effect(name, &Catalogue::default())?;
+            }
             for entry in CATALOGUE.iter().filter(|entry| entry.name == name) {
                 print!("{}", page(entry));
+            }
+            if let Some(entry) = small {
+                print!("{}", small_section(entry, 1));
             }
         }
         (None, None) => {
             for entry in CATALOGUE {
+                println!("{:24} {}", entry.name, entry.description);
+            }
+            println!("\nOn small plants:");
+            for entry in small_plant::CATALOGUE {
                 println!("{:24} {}", entry.name, entry.description);
             }
         }
@@ -71,7 +84,16 @@ pub fn pages() -> Vec<(String, String)> {
             entry.name, entry.description
         );
     }
+    index.push_str("\nEffects on [small plants](small-plants.md) have a page of their own.\n");
     pages.push(("README.md".to_owned(), index));
+    let mut small = String::from(
+        "# Effects on small plants\n\nWhat `stickslip diagnose` can name on a drive, a pendulum, a contact or a balance. `x` is the position, \
+         `v` the velocity, `a` the acceleration. Written by `stickslip effects --out docs/effects`.\n",
+    );
+    for entry in small_plant::CATALOGUE {
+        let _ = write!(small, "\n{}", small_section(entry, 2));
+    }
+    pages.push(("small-plants.md".to_owned(), small));
     pages
 }
 
@@ -122,6 +144,36 @@ fn page(entry: &Entry) -> String {
     }
     for name in entry.confusable {
         let _ = writeln!(text, "- [{name}]({name}.md)");
+    }
+    text
+}
+
+/// An effect on small plants, under a heading of this level.
+fn small_section(entry: &Term, level: usize) -> String {
+    let kinds: Vec<&str> = entry.kinds.iter().map(|kind| kind.word()).collect();
+    let mut text = format!(
+        "{} {}\n\n{}.\n\nOn: {}{}. In the records: {}.\n\n| key in `[{}]` | what |\n|---|---|\n",
+        "#".repeat(level),
+        entry.name,
+        capital(entry.description),
+        kinds.join(", "),
+        if entry.path == Some(Path::Turn) {
+            ", where it turns"
+        } else {
+            ""
+        },
+        entry.signature,
+        entry.name
+    );
+    for parameter in entry.parameters {
+        let _ = writeln!(text, "| `{}` | {} |", parameter.key, parameter.description);
+    }
+    if !entry.confusable.is_empty() {
+        let _ = writeln!(
+            text,
+            "\nCan be confused with {}.",
+            entry.confusable.join(", ")
+        );
     }
     text
 }

@@ -9,11 +9,14 @@ mod records;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use workbench::diagnose::finding::{Finding, VerdictName};
+use workbench::diagnose::finding::{Finding, ParameterValue, VerdictName};
 use workbench::diagnose::small_plant::finding::SmallFinding;
 
 use crate::common::stickslip;
-use crate::records::{CONTACT, DRIVE, PENDULUM, contact, drive, pendulum, pendulum_read};
+use crate::records::{
+    BALANCE, CONTACT, DRIVE, PENDULUM, balance, contact, drive, multiplied, pendulum,
+    pendulum_read, resized,
+};
 
 struct Place {
     directory: tempfile::TempDir,
@@ -178,6 +181,143 @@ fn an_encoder_off_the_axis_of_a_pendulum_is_named() {
     let last = found.small_plant.steps.last().unwrap();
     assert!(last.held_out.rmse < 0.0005, "{last:?}");
     assert!(text.contains("friction_wear was not tried"), "{text}");
+}
+
+type Torque = fn(f64, f64, f64, f64, f64) -> f64;
+
+#[test]
+fn what_a_joint_needs_beside_its_model_is_named() {
+    let hidden: [(&[&str], Torque); 6] = [
+        (&[], |_, _, _, _, _| 0.0),
+        (&["transmitted_friction"], |_, rate, _, model, _| {
+            0.1 * model.abs() * rate.signum()
+        }),
+        (&["coulomb_friction"], |_, rate, _, _, _| {
+            0.6 * rate.signum()
+        }),
+        (&["acceleration_torque"], |_, _, acceleration, _, _| {
+            0.03 * acceleration
+        }),
+        (&["offset"], |_, _, _, _, _| 0.5),
+        (&["unbalance"], |q, _, _, _, _| 0.5 * (q - 0.4).cos()),
+    ];
+    for (at, (expected, torque)) in hidden.into_iter().enumerate() {
+        let seed = 40 + at as u64;
+        let place = Place::new(
+            BALANCE,
+            &balance(torque, seed),
+            &balance(torque, seed + 100),
+        );
+        let (code, text) = place.run("diagnose", &[]);
+        assert_eq!(code, 0, "{text}");
+        assert_eq!(names(&place.finding()), *expected, "{text}");
+    }
+}
+
+#[test]
+fn what_no_effect_is_like_is_not_named_after_one() {
+    let hidden: [Torque; 2] = [
+        |q, _, _, _, _| 0.8 * (9.0 * q).cos(),
+        |_, rate, _, _, time| if time > 9.0 { 0.8 * rate.signum() } else { 0.0 },
+    ];
+    for torque in hidden {
+        let place = Place::new(BALANCE, &balance(torque, 60), &balance(torque, 61));
+        let (code, text) = place.run("diagnose", &[]);
+        assert_eq!(code, 1, "{text}");
+        assert_eq!(
+            place.finding().finding.verdict,
+            VerdictName::NotInCatalogue,
+            "{text}"
+        );
+    }
+}
+
+/// The same names, and intervals of the same place, in units of their width, within 1 %.
+fn assert_alike(before: &SmallFinding, after: &SmallFinding, what: &str) {
+    assert_eq!(before.finding.verdict, after.finding.verdict, "{what}");
+    assert_eq!(names(before), names(after), "{what}");
+    for (old, new) in before.finding.effects.iter().zip(&after.finding.effects) {
+        for (key, old) in &old.parameters {
+            let new = &new.parameters[key];
+            let relative = |number: &ParameterValue| {
+                let [low, high] = number.interval95.unwrap();
+                [low, high].map(|end| end / (high - low))
+            };
+            for (old, new) in relative(old).into_iter().zip(relative(new)) {
+                assert!(
+                    (old - new).abs() < 0.01 * old.abs().max(1.0),
+                    "{what}: {key} {old} {new}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_plant_of_another_size_and_speed_gets_the_same_verdict() {
+    let friction: Torque = |_, rate, _, model, _| 0.1 * model.abs() * rate.signum();
+    let names_of_rates = [
+        "motion_low_pass = ",
+        "compare_low_pass = ",
+        "compare_rate = ",
+    ];
+    for (force, time) in [(1e-4, 20.0), (1e6, 0.05), (1e6, 20.0), (1e-4, 0.05)] {
+        let rates = names_of_rates.map(|name| (name, 1.0 / time));
+        let edge = [("edge = ", time)];
+        let plants: [(&str, [String; 2], Vec<f64>, Vec<(&str, f64)>); 4] = [
+            (
+                DRIVE,
+                [drive(5.0, 1), drive(5.0, 2)],
+                vec![time, 1.0, force],
+                vec![
+                    ("inertia = { value = ", force * time * time),
+                    ("viscous = ", force * time),
+                ],
+            ),
+            (
+                CONTACT,
+                [contact(false, 1), contact(false, 2)],
+                vec![time, 1.0 / time, force],
+                vec![
+                    ("standstill_speed = ", 1.0 / time),
+                    ("sliding = ", force),
+                    ("breakaway = ", force),
+                    ("speed = ", 1.0 / time),
+                ],
+            ),
+            (
+                PENDULUM,
+                [pendulum(0.03, 0.05, 0.05, 1), pendulum(0.03, 0.05, 0.05, 2)],
+                vec![time, 1.0],
+                vec![
+                    ("stiffness = ", 1.0 / (time * time)),
+                    ("viscous = ", 1.0 / time),
+                ],
+            ),
+            (
+                BALANCE,
+                [balance(friction, 1), balance(friction, 2)],
+                vec![time, 1.0, force, force],
+                vec![],
+            ),
+        ];
+        for (model, [record, held_out], factors, numbers) in plants {
+            let before = Place::new(model, &record, &held_out);
+            let model = resized(model, &[&rates[..], &edge, &numbers].concat());
+            let after = Place::new(
+                &model,
+                &multiplied(&record, &factors),
+                &multiplied(&held_out, &factors),
+            );
+            let [(_, old), (code, new)] = [&before, &after].map(|place| place.run("diagnose", &[]));
+            assert!(code < 2, "{new}");
+            assert_alike(
+                &before.finding(),
+                &after.finding(),
+                &format!("{model}{old}{new}"),
+            );
+        }
+    }
 }
 
 #[test]

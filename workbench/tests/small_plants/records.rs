@@ -144,3 +144,64 @@ pub fn pendulum_read(viscous: f64, dry: f64, square: f64, seed: u64, off: f64) -
     }
     text
 }
+
+pub const BALANCE: &str = include_str!("../../../docs/examples/joint.toml");
+
+/// A joint's torque beside what its model predicts; `hidden` acts beside that, from angle, rate, acceleration, predicted torque
+/// and time.
+pub fn balance(hidden: impl Fn(f64, f64, f64, f64, f64) -> f64, seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let phase = TAU * random.uniform();
+    let mut text = String::from("t,q,torque,model\n");
+    for at in 0..5000 {
+        let time = f64::from(at) * 0.005;
+        let (mut q, mut rate, mut acceleration) = (0.0, 0.0, 0.0);
+        for (size, hertz) in [(0.7, 0.9), (0.4, 1.6)] {
+            let (turn, angle) = (TAU * hertz, TAU * hertz * time + phase * hertz);
+            q += size * angle.sin();
+            rate += size * turn * angle.cos();
+            acceleration -= size * turn * turn * angle.sin();
+        }
+        let model = 0.3 * acceleration + 6.0 * q.sin() + 0.5 * rate;
+        let torque =
+            1.01 * model + hidden(q, rate, acceleration, model, time) + 0.1 * random.normal();
+        let _ = writeln!(
+            text,
+            "{time:.3},{:.6},{torque:.5},{model:.5}",
+            q + 1e-5 * random.normal()
+        );
+    }
+    text
+}
+
+/// A record with its columns multiplied: another unit, or another size of the same plant.
+pub fn multiplied(record: &str, factors: &[f64]) -> String {
+    let mut lines = record.lines();
+    let mut text = format!("{}\n", lines.next().unwrap_or_default());
+    for line in lines {
+        let values: Vec<String> = line
+            .split(',')
+            .zip(factors)
+            .map(|(value, factor)| format!("{:e}", value.parse::<f64>().unwrap() * factor))
+            .collect();
+        let _ = writeln!(text, "{}", values.join(","));
+    }
+    text
+}
+
+/// A model with numbers multiplied, each given by what stands before it in its line.
+pub fn resized(model: &str, factors: &[(&str, f64)]) -> String {
+    let line = |line: &str| -> String {
+        let Some((start, factor)) = factors.iter().find(|(start, _)| line.starts_with(start))
+        else {
+            return line.to_owned();
+        };
+        let rest = &line[start.len()..];
+        let end = rest
+            .find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'))
+            .unwrap_or(rest.len());
+        let number: f64 = rest[..end].parse().unwrap();
+        format!("{start}{:e}{}", number * factor, &rest[end..])
+    };
+    model.lines().map(|text| line(text) + "\n").collect()
+}

@@ -3,16 +3,18 @@
 use std::collections::BTreeMap;
 
 use super::case::SmallCase;
+use super::evidence::{gain, left_out_errors, unit};
 use super::finding::{Course, SmallFinding};
 use super::least_squares::Fit;
 use super::model_file::{Origin, SmallModel, dotted};
-use super::naming::{Kept, Naming};
+use super::naming::{Kept, LEAST_GAIN, Naming};
+use super::problem::Problem;
 use super::showing::{balance, final_intervals, polished};
 use super::structure::structures;
 use super::unit::{Dimension, Kind};
 use crate::diagnose::finding::{Finding, FoundEffect, ParameterValue, Ranked, VerdictName};
 
-/// Share of what is left that a free function of one coordinate may explain before something counts as missing still.
+/// Share of what is left that a free function of one coordinate may explain before something counts as missing still: most of it.
 const STRUCTURED: f64 = 0.5;
 /// Standard deviations by which a number must have moved to count as wrong.
 const MOVED: f64 = 2.0;
@@ -20,8 +22,7 @@ const MOVED: f64 = 2.0;
 /// The finding of what naming came to.
 #[must_use]
 pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
-    let last = polished(case, &naming.amended);
-    let mut found = described(case, &naming.base, &last, &naming.kept);
+    let mut found = described(case, &naming.base, &naming.amended, &naming.kept);
     found.finding.ranking = naming
         .ranking
         .iter()
@@ -35,7 +36,8 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
     found
 }
 
-/// The finding of a base and a model with effects that were kept, or that a person named (without gain and rivals).
+/// The finding of a base and a model with effects that were kept, or that a person named (without gain and rivals), both fitted to the
+/// balance.
 #[must_use]
 pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> SmallFinding {
     let balance = balance(case);
@@ -46,14 +48,20 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> Sma
         .filter(|left| left.located.significant)
         .map(|left| left.share)
         .fold(0.0, f64::max);
-    let (effects, parameters) = numbers(case, last, kept);
+    let explained = left_out_errors(&balance, last, &case.scales);
+    let unit = unit(&balance.residuals(&last.model));
+    let is_outdone = before.iter().any(|free| {
+        let more = gain(&explained, &free.errors, unit, before.len());
+        more.value > LEAST_GAIN && more.sure > 0.0
+    });
+    let (effects, parameters) = numbers(case, &polished(case, last), kept);
     let alternatives: Vec<String> = kept
         .iter()
         .filter(|kept| !kept.rivals.is_empty())
         .flat_map(|kept| std::iter::once(kept.entry.name).chain(kept.rivals.iter().copied()))
         .map(str::to_owned)
         .collect();
-    let verdict = if share_left > STRUCTURED {
+    let verdict = if is_outdone || share_left > STRUCTURED {
         VerdictName::NotInCatalogue
     } else if !alternatives.is_empty() {
         VerdictName::Ambiguous
@@ -110,6 +118,7 @@ fn quantity(kind: Kind) -> &'static str {
         Kind::Drive => "force that the measured motion needs",
         Kind::Pendulum => "angle in a free run",
         Kind::Contact => "force that the contact opposes to the measured motion",
+        Kind::Balance => "force beside the measured one",
     }
 }
 

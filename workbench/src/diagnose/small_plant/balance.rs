@@ -3,16 +3,16 @@
 use super::filter::LowPass;
 use super::model::Model;
 use super::model_file::Measurement;
-use super::motion::Motion;
+use super::motion::{Motion, Scales};
 use super::problem::Problem;
 use super::term::Sample;
 use super::unit::Kind;
 
 /// Order of the low-pass that both forces go through.
 const ORDER: usize = 8;
-/// Length of a piece [s]: several correlation times of what a model leaves.
-const PIECE: f64 = 0.75;
-/// Least length of what is left out together [s]: long against slow changes of load and temperature.
+/// Length of a piece in periods of the motion: several correlation times of what a model leaves.
+const PIECE: f64 = 0.5;
+/// Least length of what is left out together, in periods of the motion: long against slow changes of load and temperature.
 const FOLD: f64 = 3.0;
 /// Most parts that are left out in turn.
 const MOST_FOLDS: usize = 8;
@@ -49,7 +49,7 @@ pub struct Compared {
 impl Balance {
     /// Prepares records; a free swing is a balance without force.
     #[must_use]
-    pub fn new(records: &[Motion], measurement: &Measurement) -> Self {
+    pub fn new(records: &[Motion], measurement: &Measurement, scales: &Scales) -> Self {
         let prepared: Vec<Prepared> = records
             .iter()
             .map(|motion| {
@@ -73,13 +73,13 @@ impl Balance {
         let interval = prepared
             .first()
             .map_or(1.0, |p| p.motion.interval * p.stride as f64);
-        let piece = ((PIECE / interval).round() as usize).max(4);
+        let piece = ((PIECE * scales.period / interval).round() as usize).max(4);
         let pieces: Vec<usize> = prepared
             .iter()
             .map(|p| p.measured.len().div_ceil(piece))
             .collect();
         let seconds: f64 = prepared.iter().map(|p| p.motion.seconds()).sum();
-        let count = ((seconds / FOLD).round() as usize).clamp(3, MOST_FOLDS);
+        let count = ((seconds / (FOLD * scales.period)).round() as usize).clamp(3, MOST_FOLDS);
         let total: usize = pieces.iter().sum();
         Self {
             folds: (0..total).map(|at| at * count / total.max(1)).collect(),
@@ -130,15 +130,25 @@ impl Prepared {
             .collect()
     }
 
-    /// The moment at sample `at` plus `shift` samples, between samples on a straight line.
+    /// The moment at sample `at` plus `shift` samples, between samples on the cubic through four of them.
     fn sample(&self, at: usize, shift: f64) -> Sample {
         let motion = &self.motion;
         let last = motion.len() - 1;
         let place = (at as f64 + shift).clamp(0.0, last as f64);
-        let low = place as usize;
-        let high = (low + 1).min(last);
+        let low = (place as usize).min(last - 1);
         let part = place - low as f64;
-        let between = |series: &[f64]| series[low] + part * (series[high] - series[low]);
+        let [before, high, after] = [low.saturating_sub(1), low + 1, (low + 2).min(last)];
+        // Lagrange's weights at −1, 0, 1, 2.
+        let weights = [
+            -part * (part - 1.0) * (part - 2.0) / 6.0,
+            (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
+            -(part + 1.0) * part * (part - 2.0) / 2.0,
+            (part + 1.0) * part * (part - 1.0) / 6.0,
+        ];
+        let between = |series: &[f64]| {
+            let nodes = [series[before], series[low], series[high], series[after]];
+            weights.iter().zip(nodes).map(|(w, y)| w * y).sum::<f64>()
+        };
         Sample {
             time: motion.begin + at as f64 * motion.interval,
             position: between(&motion.position),
@@ -146,6 +156,7 @@ impl Prepared {
             acceleration: between(&motion.acceleration),
             direction: motion.direction[low],
             load: motion.load[at],
+            predicted: between(&motion.predicted),
         }
     }
 

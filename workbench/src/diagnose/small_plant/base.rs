@@ -100,6 +100,26 @@ pub const CONTACT: Entry = Entry {
     starts: &[],
 };
 
+/// scale·predicted = force.
+pub const BALANCE: Entry = Entry {
+    name: "balance",
+    description: "what somebody's own model predicts",
+    signature: "",
+    confusable: &[],
+    kinds: &[Kind::Balance],
+    path: None,
+    needs_load: false,
+    role: Role::Added,
+    parameters: &[parameter(
+        "scale",
+        Dimension::Ratio,
+        Range::Positive,
+        "measured over predicted force; 1 where both have the same unit and the model is right",
+    )],
+    force: |p, s, _| p[0] * s.predicted,
+    starts: &[],
+};
+
 /// The base of a kind.
 #[must_use]
 pub fn base(kind: Kind) -> &'static Entry {
@@ -107,5 +127,6 @@ pub fn base(kind: Kind) -> &'static Entry {
         Kind::Drive => &DRIVE,
         Kind::Pendulum => &PENDULUM,
         Kind::Contact => &CONTACT,
+        Kind::Balance => &BALANCE,
     }
 }

@@ -14,7 +14,7 @@ use crate::diagnose::material::Material;
 use crate::diagnose::record_part::Part;
 use crate::files::record::{Missing, Record, RecordError};
 
-/// Least length of all records to learn from together [s].
+/// Least length of all records to learn from together, in periods of the motion.
 const SHORTEST: f64 = 5.0;
 /// Most by which a sampling step may differ from the median one, relative to it.
 const JITTER: f64 = 0.02;
@@ -116,12 +116,6 @@ pub fn load(material: &Material) -> Result<SmallCase, SmallCaseError> {
         records.push(read(part, &model)?);
     }
     let mut held_out = read(held_out_part, &model)?;
-    let seconds: f64 = records.iter().map(Motion::seconds).sum();
-    if seconds < SHORTEST {
-        return Err(SmallCaseError::Usage(format!(
-            "the records to learn from have {seconds:.1} s together; at least {SHORTEST} s are needed"
-        )));
-    }
     for (part, record) in parts.iter().zip(&records) {
         check_apart(part, record, held_out_part, &held_out)?;
     }
@@ -140,6 +134,14 @@ pub fn load(material: &Material) -> Result<SmallCase, SmallCaseError> {
                 what: format!("{what}; nothing can be learned from it"),
             });
         }
+    }
+    let seconds: f64 = records.iter().map(Motion::seconds).sum();
+    let needed = SHORTEST * scales.period;
+    if seconds < needed {
+        return Err(SmallCaseError::Usage(format!(
+            "the records to learn from have {seconds:.3} s together; at least {needed:.3} s are needed, {SHORTEST} periods of the \
+             motion that they show"
+        )));
     }
     Ok(SmallCase {
         name: material.name.clone(),
@@ -294,6 +296,9 @@ fn read(part: &Part, model: &SmallModel) -> Result<Motion, SmallCaseError> {
     }
     if let Some(load) = series(Quantity::Load)? {
         motion.load = load;
+    }
+    if let Some(predicted) = series(Quantity::Predicted)? {
+        motion.predicted = predicted;
     }
     Ok(motion)
 }

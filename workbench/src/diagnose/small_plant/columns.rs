@@ -32,6 +32,8 @@ pub struct Columns {
     pub force: Option<Column>,
     /// Normal load of a contact.
     pub load: Option<Column>,
+    /// Force or torque that somebody's own model predicts for the measured motion.
+    pub predicted: Option<Column>,
 }
 
 /// What is wrong with a column.
@@ -87,6 +89,8 @@ pub enum Quantity {
     Force,
     /// Load.
     Load,
+    /// Predicted force.
+    Predicted,
 }
 
 impl Quantity {
@@ -99,6 +103,7 @@ impl Quantity {
             Self::Velocity => "velocity",
             Self::Force => "force",
             Self::Load => "load",
+            Self::Predicted => "predicted",
         }
     }
 
@@ -111,8 +116,12 @@ impl Quantity {
             (Self::Velocity, Path::Turn) => {
                 &[("rad/s", 1.0), ("deg/s", TAU / 360.0), ("rpm", TAU / 60.0)]
             }
-            (Self::Force, Path::Turn) => &[("N m", 1.0), ("mN m", 1e-3), ("kN m", 1e3)],
-            (Self::Force, Path::Line) | (Self::Load, _) => &[("N", 1.0), ("kN", 1e3)],
+            (Self::Force | Self::Predicted, Path::Turn) => {
+                &[("N m", 1.0), ("mN m", 1e-3), ("kN m", 1e3)]
+            }
+            (Self::Force | Self::Predicted, Path::Line) | (Self::Load, _) => {
+                &[("N", 1.0), ("kN", 1e3)]
+            }
         }
     }
 }
@@ -169,6 +178,15 @@ impl Columns {
             Kind::Contact if self.velocity.is_none() && self.position.is_none() => {
                 Some("a contact needs velocity or position")
             }
+            Kind::Balance if self.force.is_none() || self.predicted.is_none() => Some(
+                "a balance needs force, as it was measured, and predicted, what the model says",
+            ),
+            Kind::Balance if self.velocity.is_none() && self.position.is_none() => {
+                Some("a balance needs velocity or position")
+            }
+            _ if self.predicted.is_some() && kind != Kind::Balance => {
+                Some("predicted belongs to a balance alone; leave the line out")
+            }
             _ if self.load.is_some() && kind != Kind::Contact => {
                 Some("load belongs to a contact alone; leave the line out")
             }
@@ -190,6 +208,7 @@ impl Columns {
             (Quantity::Velocity, &self.velocity),
             (Quantity::Force, &self.force),
             (Quantity::Load, &self.load),
+            (Quantity::Predicted, &self.predicted),
         ];
         std::iter::once((Quantity::Time, &self.time)).chain(
             optional

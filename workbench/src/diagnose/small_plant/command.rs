@@ -14,7 +14,7 @@ use super::model::Model;
 use super::model_file::SmallModel;
 use super::naming::{candidates, fit_base, fit_with, name as name_effects, shows};
 use super::report::page;
-use super::showing::{balance, models_on_the_way, polished, step};
+use super::showing::{balance, models_on_the_way, step};
 use super::term::Entry;
 use crate::cli::Outcome;
 use crate::diagnose::amend::FILE as AMENDED;
@@ -114,7 +114,7 @@ fn named_finding(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFindi
 fn located(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {
     progress("nominal parameters");
     let base = fit_base(&balance(case), &case.model.model, &case.scales);
-    let mut found = described(case, &base, &polished(case, &base), &[]);
+    let mut found = described(case, &base, &base, &[]);
     if found
         .finding
         .structure
@@ -140,7 +140,7 @@ fn forced(
         progress(entry.name);
         fitted = fit_with(&problem, &fitted.model, entry, &case.scales);
     }
-    let mut found = described(case, &base, &polished(case, &fitted), &[]);
+    let mut found = described(case, &base, &fitted, &[]);
     if found.finding.verdict != VerdictName::NotInCatalogue {
         found.finding.verdict = VerdictName::Named;
     }

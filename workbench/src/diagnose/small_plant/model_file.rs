@@ -169,7 +169,7 @@ impl Reader<'_> {
     fn read(&self) -> Result<SmallModel, SmallModelError> {
         let plant: PlantSection = self.section(
             "plant",
-            "kind = \"drive\", \"pendulum\" or \"contact\" and path = \"line\" or \"turn\"",
+            "kind = \"drive\", \"pendulum\", \"contact\" or \"balance\" and path = \"line\" or \"turn\"",
         )?;
         let kind = self.word("kind", &plant.kind, &Kind::ALL, Kind::word)?;
         let path = self.word("path", &plant.path, &[Path::Line, Path::Turn], Path::word)?;
@@ -178,7 +178,7 @@ impl Reader<'_> {
         }
         let columns: Columns = self.section(
             "columns",
-            "lines such as time = { column = \"t\", unit = \"s\" }, for time, position, velocity, force, load",
+            "lines such as time = { column = \"t\", unit = \"s\" }, for time, position, velocity, force, load, predicted",
         )?;
         columns
             .check(kind, path)

@@ -1,5 +1,7 @@
 //! The measured motion: position, velocity and acceleration over even times, with force and load.
 
+use std::f64::consts::TAU;
+
 use super::filter::LowPass;
 
 /// Order of the low-pass before differentiating.
@@ -28,6 +30,8 @@ pub struct Motion {
     pub force: Vec<f64>,
     /// Load over its mean; ones where it is not measured.
     pub load: Vec<f64>,
+    /// Force or torque that somebody's own model predicts [N or N m]; zero where there is none.
+    pub predicted: Vec<f64>,
 }
 
 /// Usual sizes of what is in a record: root mean squares.
@@ -39,8 +43,12 @@ pub struct Scales {
     pub speed: f64,
     /// Acceleration [m/s² or rad/s²].
     pub acceleration: f64,
-    /// Force [N or N m]; of a free swing its acceleration [rad/s²].
+    /// Force beyond what was predicted [N or N m]; of a free swing its acceleration [rad/s²].
     pub force: f64,
+    /// Period of the motion [s]: that of a sine with this speed and acceleration.
+    pub period: f64,
+    /// Length of the longest record [s].
+    pub duration: f64,
 }
 
 /// What of the motion was measured.
@@ -98,6 +106,7 @@ impl Motion {
             acceleration,
             force: vec![0.0; count],
             load: vec![1.0; count],
+            predicted: vec![0.0; count],
         }
     }
 
@@ -112,6 +121,7 @@ impl Motion {
         both.acceleration.extend(&next.acceleration);
         both.force.extend(&next.force);
         both.load.extend(&next.load);
+        both.predicted.extend(&next.predicted);
         both
     }
 
@@ -148,10 +158,18 @@ impl Scales {
         let mean = position.iter().sum::<f64>() / position.len().max(1) as f64;
         let about: Vec<f64> = position.iter().map(|x| x - mean).collect();
         let acceleration = root_mean_square(&over(|m| &m.acceleration));
-        let force = root_mean_square(&over(|m| &m.force));
+        let unexplained: Vec<f64> = over(|m| &m.force)
+            .iter()
+            .zip(over(|m| &m.predicted))
+            .map(|(force, predicted)| force - predicted)
+            .collect();
+        let force = root_mean_square(&unexplained);
+        let speed = root_mean_square(&over(|m| &m.velocity));
         Self {
             position: root_mean_square(&about),
-            speed: root_mean_square(&over(|m| &m.velocity)),
+            speed,
+            period: TAU * speed / acceleration,
+            duration: records.iter().map(Motion::seconds).fold(0.0, f64::max),
             acceleration,
             force: if force > 0.0 { force } else { acceleration },
         }

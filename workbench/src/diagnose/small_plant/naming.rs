@@ -17,7 +17,7 @@ const MOST_EFFECTS: usize = 8;
 const FIRST_LOOK: usize = 8;
 const TO_THE_END: usize = 40;
 /// Gain in ln likelihood below which no effect is named, however certain its sign.
-const LEAST_GAIN: f64 = 10.0;
+pub const LEAST_GAIN: f64 = 10.0;
 /// Candidates that are tried in pairs where none is enough alone.
 const PAIRED: usize = 4;
 /// Share of the best gain above which another candidate can pass for it.

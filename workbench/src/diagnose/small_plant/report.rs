@@ -2,13 +2,13 @@
 
 use std::fmt::Write as _;
 
-use super::balance::{Balance, Compared};
+use super::balance::Compared;
 use super::case::SmallCase;
 use super::catalogue::entry;
 use super::console::{answer, size};
 use super::finding::SmallFinding;
 use super::model::Model;
-use super::showing::{Course, held_out_course};
+use super::showing::{Course, balance, held_out_course};
 use super::structure::COORDINATES;
 use super::unit::{Dimension, Kind, Path};
 use crate::diagnose::console::{number, readable};
@@ -122,7 +122,7 @@ fn disagreement(case: &SmallCase, found: &SmallFinding, before: &Model, after: &
         }
         text.push_str("</table>\n");
     }
-    let balance = Balance::new(&case.records, &case.model.measurement);
+    let balance = balance(case);
     let (old, new) = (balance.compared(before), balance.compared(after));
     let mut picture = Figure::new("");
     let has_load = case.model.columns.load.is_some();
@@ -233,7 +233,7 @@ fn held_out(case: &SmallCase, before: &Model, after: &Model) -> String {
     let (old, new) = (held_out_course(case, before), held_out_course(case, after));
     let value = || match case.kind() {
         Kind::Pendulum => Axis::new("angle [rad]"),
-        Kind::Drive | Kind::Contact => force_axis(case, "force"),
+        Kind::Drive | Kind::Contact | Kind::Balance => force_axis(case, "force"),
     };
     let end = old.time.last().copied().unwrap_or(0.0);
     let begin = old.time.first().copied().unwrap_or(0.0);
@@ -260,7 +260,11 @@ fn held_out(case: &SmallCase, before: &Model, after: &Model) -> String {
         .panel(260.0, chart("held-out record", begin, end))
         .panel(
             260.0,
-            chart("its last seconds", (end - DETAIL).max(begin), end),
+            chart(
+                "its last seconds",
+                (end - DETAIL * case.scales.period).max(begin),
+                end,
+            ),
         )
         .panel(220.0, errors);
     format!(

@@ -16,9 +16,11 @@ use super::swing::Swing;
 use super::term::Entry;
 use super::unit::Kind;
 
+/// Periods of the shortest stretches that a pendulum's free run is fitted to.
+const SHORT: f64 = 8.0;
 /// Steps of a fit to longer stretches.
 const POLISH: usize = 12;
-/// Time at the start of a held-out record from which a pendulum's start is taken, where it is another swing [s].
+/// Periods at the start of a held-out record from which a pendulum's start is taken, where it is another swing.
 const START: f64 = 2.0;
 
 /// What was measured and what a model says, over time.
@@ -35,7 +37,7 @@ pub struct Course {
 /// What effects are compared on: the balance of forces on the records learned from; a pendulum's is that of a free swing.
 #[must_use]
 pub fn balance(case: &SmallCase) -> Balance {
-    Balance::new(&case.records, &case.model.measurement)
+    Balance::new(&case.records, &case.model.measurement, &case.scales)
 }
 
 /// A model's numbers brought to their best on all that was learned from: a pendulum's on ever longer stretches up to one
@@ -47,12 +49,12 @@ pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
     }
     let mut best = fitted.clone();
     let longest = case.records.iter().map(Motion::seconds).fold(0.0, f64::max);
-    let mut length = 8.0;
+    let mut length = SHORT * case.scales.period;
     loop {
         let swing = if length < longest {
-            Swing::cut(&case.records, &case.model.measurement, length)
+            Swing::cut(&case.records, &case.model.measurement, &case.scales, length)
         } else {
-            Swing::whole(&case.records, &case.model.measurement)
+            Swing::whole(&case.records, &case.model.measurement, &case.scales)
         };
         best = fit(&swing, &best.model, &case.scales, None, POLISH);
         if length >= longest {
@@ -67,10 +69,12 @@ pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
 pub fn final_intervals(case: &SmallCase, fitted: &Fit) -> Vec<(usize, usize, [f64; 2])> {
     match case.kind() {
         Kind::Pendulum => {
-            let swing = Swing::whole(&case.records, &case.model.measurement);
+            let swing = Swing::whole(&case.records, &case.model.measurement, &case.scales);
             intervals(&swing, fitted, &case.scales)
         }
-        Kind::Drive | Kind::Contact => intervals(&balance(case), fitted, &case.scales),
+        Kind::Drive | Kind::Contact | Kind::Balance => {
+            intervals(&balance(case), fitted, &case.scales)
+        }
     }
 }
 
@@ -106,7 +110,7 @@ pub fn step(case: &SmallCase, effect: Option<&str>, model: &Model) -> Step {
 fn learned_course(case: &SmallCase, model: &Model) -> Course {
     match case.kind() {
         Kind::Pendulum => {
-            let swing = Swing::whole(&case.records, &case.model.measurement);
+            let swing = Swing::whole(&case.records, &case.model.measurement, &case.scales);
             let residuals: Vec<f64> = swing.residuals(model).concat();
             let measured = swing.readings();
             Course {
@@ -119,7 +123,7 @@ fn learned_course(case: &SmallCase, model: &Model) -> Course {
                 measured,
             }
         }
-        Kind::Drive | Kind::Contact => balance_course(&balance(case), model),
+        Kind::Drive | Kind::Contact | Kind::Balance => balance_course(&balance(case), model),
     }
 }
 
@@ -129,18 +133,23 @@ pub fn held_out_course(case: &SmallCase, model: &Model) -> Course {
     let held_out = std::slice::from_ref(&case.held_out);
     let measurement = &case.model.measurement;
     if case.kind() != Kind::Pendulum {
-        return balance_course(&Balance::new(held_out, measurement), model);
+        return balance_course(&Balance::new(held_out, measurement, &case.scales), model);
     }
     let (swing, begin, skipped, known) = match case.records.last() {
         Some(last) if case.goes_on => {
-            let known = Swing::whole(std::slice::from_ref(last), measurement).first_length();
+            let known =
+                Swing::whole(std::slice::from_ref(last), measurement, &case.scales).first_length();
             // Thinned out together, so that every reading has its time in the run.
-            let joined = Swing::whole(&[last.followed_by(&case.held_out)], measurement);
+            let joined = Swing::whole(
+                &[last.followed_by(&case.held_out)],
+                measurement,
+                &case.scales,
+            );
             (joined, last.begin, known, known)
         }
         _ => {
-            let alone = Swing::whole(held_out, measurement);
-            let known = (START / alone.time_step()) as usize;
+            let alone = Swing::whole(held_out, measurement, &case.scales);
+            let known = (START * case.scales.period / alone.time_step()) as usize;
             (alone, case.held_out.begin, 0, known)
         }
     };

@@ -10,6 +10,8 @@ use crate::diagnose::finding::Located;
 
 /// Values of the free function over a coordinate, at quantiles.
 const BINS: usize = 16;
+/// Parts that are left out in turn.
+const FOLDS: usize = 8;
 
 /// A coordinate over which residuals can be structured.
 pub struct Coordinate {
@@ -54,9 +56,24 @@ pub const COORDINATES: &[Coordinate] = &[
         of: |c, _| c.sample.time,
     },
     Coordinate {
+        name: "time_by_direction",
+        label: "time times direction of motion",
+        of: |c, _| c.sample.time * c.sample.direction,
+    },
+    Coordinate {
         name: "load",
         label: "load over its mean",
         of: |c, _| c.sample.load,
+    },
+    Coordinate {
+        name: "predicted_force",
+        label: "predicted force",
+        of: |c, _| c.sample.predicted,
+    },
+    Coordinate {
+        name: "predicted_force_by_direction",
+        label: "predicted force times direction of motion",
+        of: |c, _| c.sample.predicted * c.sample.direction,
     },
 ];
 
@@ -78,6 +95,8 @@ pub struct Left {
     pub located: Located,
     /// Share of the residuals' square, on what the function was not fitted to.
     pub share: f64,
+    /// Squared errors beside the function, piece by piece, on what it was not fitted to.
+    pub errors: Vec<f64>,
 }
 
 /// Structure of what a model leaves over every coordinate, strongest first.
@@ -90,7 +109,8 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left
     let fold_of: Vec<(usize, usize)> = lengths
         .iter()
         .enumerate()
-        .flat_map(|(piece, &length)| vec![(piece, balance.folds()[piece]); length])
+        // Pieces that follow each other are in different folds: a function of time is not learned from other times.
+        .flat_map(|(piece, &length)| vec![(piece, piece % FOLDS); length])
         .collect();
     let before: Vec<f64> = residuals
         .iter()
@@ -101,6 +121,7 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left
         Kind::Drive => "drive",
         Kind::Pendulum => "swing",
         Kind::Contact => "contact",
+        Kind::Balance => "balance",
     };
     let mut all: Vec<Left> = COORDINATES
         .iter()
@@ -123,6 +144,7 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left
                     significant: gain.sure > 0.0,
                 },
                 share: 1.0 - after.iter().sum::<f64>() / total,
+                errors: after,
             })
         })
         .collect();

@@ -8,14 +8,16 @@ use nalgebra::{Matrix2, Vector2};
 
 use super::model::Model;
 use super::model_file::Measurement;
-use super::motion::Motion;
+use super::motion::{Motion, Scales};
 use super::problem::Problem;
 use super::term::Sample;
 
-/// Length of a piece [s]: a few swings.
+/// Length of a piece in periods.
 const PIECE: f64 = 2.0;
 /// Most times that a stretch's start is improved.
 const START_STEPS: usize = 4;
+/// Share of its usual size by which a number is moved to see what that does.
+const NUDGE: f64 = 1e-5;
 
 /// A stretch of readings.
 #[derive(Debug, Clone)]
@@ -34,19 +36,26 @@ pub struct Swing {
     stretches: Vec<Stretch>,
     /// Readings of a piece.
     piece: usize,
+    /// By how much angle and rate of a start are moved to see what that does.
+    nudge: [f64; 2],
     folds: Vec<usize>,
 }
 
 impl Swing {
     /// Each record as one stretch: the free run.
     #[must_use]
-    pub fn whole(records: &[Motion], measurement: &Measurement) -> Self {
-        Self::cut(records, measurement, f64::INFINITY)
+    pub fn whole(records: &[Motion], measurement: &Measurement, scales: &Scales) -> Self {
+        Self::cut(records, measurement, scales, f64::INFINITY)
     }
 
     /// All records cut into stretches of about this length [s].
     #[must_use]
-    pub fn cut(records: &[Motion], measurement: &Measurement, length: f64) -> Self {
+    pub fn cut(
+        records: &[Motion],
+        measurement: &Measurement,
+        scales: &Scales,
+        length: f64,
+    ) -> Self {
         let mut stretches = Vec::new();
         for record in records {
             let stride = (1.0 / (measurement.compare_rate * record.interval))
@@ -66,7 +75,7 @@ impl Swing {
             }
         }
         let step = stretches.first().map_or(1.0, |stretch| stretch.step);
-        let piece = ((PIECE / step).round() as usize).max(1);
+        let piece = ((PIECE * scales.period / step).round() as usize).max(1);
         let pieces = |(at, stretch): (usize, &Stretch)| {
             // A stretch a little longer than a piece is one piece.
             vec![at; (stretch.readings.len() / piece).max(1)]
@@ -74,6 +83,7 @@ impl Swing {
         Self {
             folds: stretches.iter().enumerate().flat_map(pieces).collect(),
             piece,
+            nudge: [NUDGE * scales.position, NUDGE * scales.speed],
             stretches,
         }
     }
@@ -84,7 +94,7 @@ impl Swing {
     pub fn run(&self, model: &Model, fitted: usize, count: usize) -> Vec<f64> {
         self.stretches.first().map_or_else(Vec::new, |stretch| {
             let known = &stretch.readings[..fitted.min(stretch.readings.len())];
-            let start = best_start(model, stretch, known);
+            let start = best_start(model, stretch, known, self.nudge);
             simulate(model, stretch, start, count)
         })
     }
@@ -118,7 +128,7 @@ impl Problem for Swing {
         let mut pieces = Vec::with_capacity(self.folds.len());
         for stretch in &self.stretches {
             let count = stretch.readings.len();
-            let start = best_start(model, stretch, &stretch.readings);
+            let start = best_start(model, stretch, &stretch.readings, self.nudge);
             let run = simulate(model, stretch, start, count);
             let residuals: Vec<f64> = stretch
                 .readings
@@ -140,7 +150,7 @@ impl Problem for Swing {
 }
 
 /// Angle and rate from which the model follows the readings best.
-fn best_start(model: &Model, stretch: &Stretch, readings: &[f64]) -> [f64; 2] {
+fn best_start(model: &Model, stretch: &Stretch, readings: &[f64], nudge: [f64; 2]) -> [f64; 2] {
     let count = readings.len();
     let run = |start: [f64; 2]| simulate(model, stretch, start, count);
     let misfit =
@@ -149,16 +159,15 @@ fn best_start(model: &Model, stretch: &Stretch, readings: &[f64]) -> [f64; 2] {
     let mut course = run(start);
     let mut loss = misfit(&course);
     for _ in 0..START_STEPS {
-        let steps = [1e-5, 1e-4];
         let moved = [
-            run([start[0] + steps[0], start[1]]),
-            run([start[0], start[1] + steps[1]]),
+            run([start[0] + nudge[0], start[1]]),
+            run([start[0], start[1] + nudge[1]]),
         ];
         let (mut normal, mut pull) = (Matrix2::zeros(), Vector2::zeros());
         for (at, reading) in readings.iter().enumerate() {
             let slope = Vector2::new(
-                (moved[0][at] - course[at]) / steps[0],
-                (moved[1][at] - course[at]) / steps[1],
+                (moved[0][at] - course[at]) / nudge[0],
+                (moved[1][at] - course[at]) / nudge[1],
             );
             normal += slope * slope.transpose();
             pull += slope * (reading - course[at]);
@@ -250,5 +259,6 @@ fn acceleration(model: &Model, state: [f64; 2], time: f64, direction: f64) -> f6
         acceleration: 0.0,
         direction,
         load: 1.0,
+        predicted: 0.0,
     })
 }

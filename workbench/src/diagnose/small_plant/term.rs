@@ -17,6 +17,8 @@ pub struct Sample {
     pub direction: f64,
     /// Normal load over its mean on the records learned from; 1 where no load is measured.
     pub load: f64,
+    /// Force that somebody's own model predicts [N or N m]; 0 where there is none.
+    pub predicted: f64,
 }
 
 /// Where a number may lie.

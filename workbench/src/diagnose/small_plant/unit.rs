@@ -11,6 +11,8 @@ pub enum Kind {
     Pendulum,
     /// A contact whose force or torque and motion are both measured.
     Contact,
+    /// A force or torque that is measured beside the one that somebody's own model predicts.
+    Balance,
 }
 
 /// Along what it moves.
@@ -24,7 +26,7 @@ pub enum Path {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Drive, Self::Pendulum, Self::Contact];
+    pub const ALL: [Self; 4] = [Self::Drive, Self::Pendulum, Self::Contact, Self::Balance];
 
     /// The kind as written in a model file.
     #[must_use]
@@ -33,6 +35,7 @@ impl Kind {
             Self::Drive => "drive",
             Self::Pendulum => "pendulum",
             Self::Contact => "contact",
+            Self::Balance => "balance",
         }
     }
 }
@@ -120,6 +123,8 @@ impl Dimension {
             speed,
             acceleration,
             force,
+            duration,
+            ..
         } = *scales;
         match self {
             Self::Inertia => force / acceleration,
@@ -131,7 +136,8 @@ impl Dimension {
             Self::Speed => speed,
             Self::Acceleration => acceleration,
             Self::Delay => 0.1 * speed / acceleration,
-            Self::PerMinute | Self::Angle | Self::Ratio => 1.0,
+            Self::PerMinute => 60.0 / duration,
+            Self::Angle | Self::Ratio => 1.0,
         }
     }
 }
