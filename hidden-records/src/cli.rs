@@ -2,6 +2,7 @@
 
 use anyhow::{Context, ensure};
 use clap::{Parser, Subcommand, ValueEnum};
+use hidden_records::balance::BalanceCase;
 use hidden_records::case_files::{Case, make_cases};
 use hidden_records::excitation::Brake;
 use hidden_records::other_rigs::case::{OtherCase, RigChoice};
@@ -80,6 +81,9 @@ struct MakeArguments {
     /// The dissertation's rig with contacts, loads and sizes drawn as for other rigs.
     #[arg(long, conflicts_with_all = ["suite", "other_rigs"])]
     own_sizes: bool,
+    /// Joints whose torque is measured beside the one that a model predicts.
+    #[arg(long, conflicts_with_all = ["suite", "other_rigs", "full_rig", "own_sizes", "pairs", "triples", "outside", "clean", "rough"])]
+    balance: bool,
     /// Normal force in N at which a load exponent changes nothing, or `middle` for the middle load
     /// of the case.
     #[arg(long, default_value = "50", value_parser = parse_load_reference)]
@@ -148,7 +152,14 @@ pub fn run() -> anyhow::Result<bool> {
 }
 
 fn make(arguments: &MakeArguments) -> anyhow::Result<()> {
-    if arguments.other_rigs || arguments.full_rig || arguments.own_sizes {
+    if arguments.balance {
+        let seed = arguments.seed.context("--seed is missing")?;
+        let cases = arguments.cases.context("--cases is missing")?;
+        make_all(
+            arguments,
+            &BalanceCase::plan(seed, cases, arguments.kind.as_deref())?,
+        )
+    } else if arguments.other_rigs || arguments.full_rig || arguments.own_sizes {
         make_all(arguments, &plan_other_rigs(arguments)?)
     } else {
         ensure!(

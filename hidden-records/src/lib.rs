@@ -5,6 +5,7 @@
 //! crate imports the product and nothing in the product imports this crate.
 
 pub mod answers;
+pub mod balance;
 pub mod bristle;
 pub mod case_files;
 mod disc;

@@ -46,6 +46,8 @@ pub struct Rival {
     pub at_an_end: Vec<String>,
     /// Whether its fit converged.
     pub is_converged: bool,
+    /// Probability that replicas of the records without one of its effects gain as much by it, where that is no surprise.
+    pub p_value: Option<f64>,
 }
 
 /// All that was found, in the plant's units ([`Problem::units`]).
@@ -208,6 +210,7 @@ fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec
                     .map(str::to_owned)
                     .collect(),
                 is_converged: candidate.fit.is_converged,
+                p_value: candidate.p_value,
             }
         })
         .collect();

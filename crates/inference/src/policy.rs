@@ -4,13 +4,10 @@
 ///
 /// Half of all models lack something, and there are about twenty-five ways to lack it: 1 : 50, or -3.9. A window whose start was
 /// not found may speak for it by [`MOST_TOLD`] and must not decide alone: another -3.
-pub const LN_ODDS_OF_STRUCTURE: f64 = -7.0;
-/// The same for an effect, which no replicas of the records try: what no model of a rig gets right may speak for it too. Means of
-/// load cells, rounded encoders and held inputs gained up to 33 beside right models on drawn rigs.
-pub const LN_PRIOR_ODDS: f64 = LN_ODDS_OF_STRUCTURE - 33.0;
-/// Replicas of the records that tell what a right model leaves of them.
+pub const LN_PRIOR_ODDS: f64 = -7.0;
+/// Replicas of the records that tell what a right model leaves of them, and what an effect gains that is not missing.
 pub const REPLICAS: u64 = 9;
-/// Probability with which a right model may leave as much as the records do, below which it is called wrong.
+/// Probability with which replicas may show as much as the records do, below which it is no chance.
 pub const SIGNIFICANT: f64 = 0.01;
 /// Most that one window may tell, in log odds: 20 : 1. What an effect does shows in more than two or three windows.
 pub const MOST_TOLD: f64 = 3.0;

@@ -1,6 +1,7 @@
 //! Which set of effects the records speak for: best first over sets by adding, removing and swapping.
 
 mod candidate;
+mod doubt;
 mod looks;
 
 pub use self::candidate::Candidate;
@@ -70,6 +71,7 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
         let fit = whole[0].fit.clone().improved(&problem.long, 2 * STEPS);
         whole[0] = candidate(problem, fit);
     }
+    doubt::weigh(problem, &mut whole, progress);
     let base = whole
         .iter()
         .find(|candidate| candidate.effects.is_empty())

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use inference::fit::Fit;
 use inference::marginal::Disturbance;
-use inference::policy::LN_ODDS_OF_STRUCTURE;
+use inference::policy::LN_PRIOR_ODDS;
 use inference::problem::{Catalogue, Problem};
 use inference::record::channel;
 use inference::replica::{left_of_replica, replica};
@@ -56,7 +56,7 @@ fn a_right_model_leaves_the_instruments_noise_of_a_replica() {
         .typical_misfit(&data);
         assert!((0.8..1.2).contains(&misfit), "{relative}: {misfit}");
         let left = left_of_replica(&problem, &fit, 1).unwrap();
-        assert!(left[0].gain < -LN_ODDS_OF_STRUCTURE, "{:?}", left[0]);
+        assert!(left[0].gain < -LN_PRIOR_ODDS, "{:?}", left[0]);
     }
 }
 

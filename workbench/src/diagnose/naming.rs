@@ -199,6 +199,17 @@ fn fates(found: &Diagnosis) -> Vec<String> {
             rival.at_an_end.join(", ")
         ));
     }
+    for rival in &found.ranking {
+        if let Some(p_value) = rival.p_value {
+            notes.push(format!(
+                "{} would gain {} in ln likelihood, but is not named: replicas of the records, made without what it adds, gain as much \
+                 with a probability of {}",
+                readable(&joined(&rival.effects)),
+                number(rival.gain - best.gain),
+                number(p_value)
+            ));
+        }
+    }
     notes
 }
 

@@ -20,16 +20,20 @@ pub struct Candidate {
     pub told: Told,
     /// Log likelihood of windows under what the other half of the records teaches.
     pub foretold: Told,
-    /// Whether a law of the set is what it becomes in its limit, as far as its numbers are known.
+    /// Whether a law of the set is what it becomes in its limit, as far as its numbers are known, or an effect is nothing.
+    /// [`search`](super::search) asks the latter of the sets that come first.
     pub is_at_limit: bool,
+    /// Probability that replicas of the records without one of its effects gain as much by it; `None` where there was no doubt.
+    pub p_value: Option<f64>,
 }
 
 impl Candidate {
-    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, or whose law may as well be the one that it becomes in its limit.
+    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, whose
+    /// law may as well be the one that it becomes in its limit, or that replicas gain from too.
     #[must_use]
     pub fn score(&self) -> f64 {
         let hypothesis = &self.fit.hypothesis;
-        if hypothesis.at_an_end().is_empty() && !self.is_at_limit {
+        if hypothesis.at_an_end().is_empty() && !self.is_at_limit && self.p_value.is_none() {
             self.evidence + LN_PRIOR_ODDS * self.effects.len() as f64
         } else {
             f64::NEG_INFINITY
@@ -71,6 +75,7 @@ pub(super) fn candidate(problem: &Problem, fit: Fit) -> Candidate {
         told,
         foretold,
         is_at_limit,
+        p_value: None,
     }
 }
 

@@ -7,6 +7,7 @@ use anyhow::Context;
 use serde::Deserialize;
 
 use crate::diagnose::catalogue::CATALOGUE;
+use crate::diagnose::small_plant::catalogue as small_plant;
 
 /// What was hidden in one case.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -130,7 +131,10 @@ impl Answer {
 
 /// The catalogue's name behind a kind: variants have endings, members of pairs may be shortened.
 fn catalogue_name(kind: &str) -> Option<&'static str> {
-    let names = || CATALOGUE.iter().map(|entry| entry.name);
+    let names = || {
+        let small = small_plant::CATALOGUE.iter().map(|entry| entry.name);
+        CATALOGUE.iter().map(|entry| entry.name).chain(small)
+    };
     names()
         .filter(|name| kind.starts_with(name))
         .max_by_key(|name| name.len())

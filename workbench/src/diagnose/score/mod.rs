@@ -28,6 +28,7 @@ use super::command::compared;
 use super::finding::{FILE, Finding};
 use super::material::CaseArguments;
 use super::naming;
+use super::small_plant::command::{self as small_plant, Stage};
 use super::supposed;
 use crate::cli::Outcome;
 use crate::files::atomic;
@@ -279,7 +280,14 @@ fn diagnosed(
         without: task.without.clone(),
         ..CaseArguments::default()
     };
-    let case = arguments.load()?;
+    let material = arguments.material()?;
+    if material.is_of_small_plant() {
+        small_plant::run(&material, Stage::All, &task.out, &mut |what| {
+            tell(Step::Within(what));
+        })?;
+        return Ok(Finding::read(&task.out)?);
+    }
+    let case = material.load()?;
     let (mut finding, _) = naming::name(&case, &mut |what| tell(Step::Within(what)))?;
     // Where the right effect is taken out only the verdict counts.
     if task.without.is_empty() {

@@ -1,0 +1,293 @@
+//! Joints whose torque is measured beside the one that a model of somebody's predicts, with something hidden in between.
+//!
+//! Frequency, inertia, amplitude, gravity, sampling and the size of what is hidden are drawn; motions are sums of three sines.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use crate::answers::Answer;
+use crate::case_files::{Case, MadeCase};
+use crate::error::MakerError;
+use crate::random::{Purpose, Stream};
+
+/// What can be hidden: names of effects on small plants, `outside_…` where those have none.
+pub const KINDS: [&str; 16] = [
+    "none",
+    "coulomb_friction",
+    "viscous_drag",
+    "stribeck",
+    "quadratic_drag",
+    "transmitted_friction",
+    "unbalance",
+    "offset",
+    "elastic_force",
+    "acceleration_torque",
+    "coulomb_friction_and_friction_wear",
+    "sensor_delay",
+    "position_friction",
+    "friction_asymmetry",
+    "outside_ripple",
+    "outside_jump",
+];
+
+/// One case.
+#[derive(Debug, Clone)]
+pub struct BalanceCase {
+    /// Directory name.
+    pub name: String,
+    /// Seed of all that is drawn.
+    pub seed: u64,
+    /// One of [`KINDS`].
+    pub kind: &'static str,
+}
+
+impl BalanceCase {
+    /// So many cases from `seed` on: one kind after the other, or one kind alone.
+    ///
+    /// # Errors
+    /// No kind has this name.
+    pub fn plan(seed: u64, cases: usize, kind: Option<&str>) -> Result<Vec<Self>, MakerError> {
+        let kinds: Vec<&'static str> = KINDS
+            .into_iter()
+            .filter(|own| kind.is_none_or(|kind| kind == *own))
+            .collect();
+        if kinds.is_empty() {
+            return Err(MakerError::NoKind(kind.unwrap_or_default().to_owned()));
+        }
+        Ok((0..cases)
+            .map(|at| Self {
+                name: format!("case-{at:04}"),
+                seed: seed + at as u64,
+                kind: kinds[at % kinds.len()],
+            })
+            .collect())
+    }
+}
+
+/// A joint and its motion, in SI units.
+struct Joint {
+    frequency: f64,
+    amplitude: f64,
+    inertia: f64,
+    weight: f64,
+    rest: f64,
+    dry: f64,
+    viscous: f64,
+    samples_per_period: usize,
+    /// Usual torque.
+    torque: f64,
+    /// What is hidden, at its usual motion.
+    hidden: f64,
+    phase: f64,
+    scale: f64,
+}
+
+/// One moment of the motion.
+#[derive(Clone, Copy)]
+struct Moment {
+    angle: f64,
+    rate: f64,
+    acceleration: f64,
+}
+
+impl Joint {
+    fn draw(kind: &str, stream: &mut Stream) -> Self {
+        let frequency = stream.log_uniform(0.05, 5.0);
+        let turn = TAU * frequency;
+        let inertia = stream.log_uniform(1e-3, 1e3);
+        let amplitude = stream.uniform(0.5, 1.5);
+        let torque = inertia * turn * turn * amplitude;
+        // A dry friction that the model has already would be what is to be found.
+        let may_rub = !kind.starts_with("coulomb") && !kind.starts_with("viscous");
+        let rubs = may_rub && stream.chance(0.5);
+        Self {
+            frequency,
+            amplitude,
+            inertia,
+            weight: inertia * turn * turn * stream.uniform(0.5, 2.0),
+            rest: stream.uniform(-3.0, 3.0),
+            dry: if rubs { 0.15 * torque } else { 0.0 },
+            viscous: if rubs {
+                0.1 * torque / (turn * amplitude)
+            } else {
+                0.0
+            },
+            samples_per_period: 60 + stream.index(190),
+            torque,
+            hidden: torque * stream.uniform(0.04, 0.15),
+            phase: stream.uniform(0.0, TAU),
+            scale: 1.0 + 0.02 * stream.normal(),
+        }
+    }
+
+    fn period(&self) -> f64 {
+        1.0 / self.frequency
+    }
+
+    fn predicted(&self, at: Moment) -> f64 {
+        self.inertia * at.acceleration
+            + self.weight * (at.angle + self.rest).sin()
+            + self.viscous * at.rate
+            + self.dry * at.rate.signum()
+    }
+
+    /// What acts beside the prediction at a share of the record's length.
+    fn hidden(&self, kind: &str, at: Moment, share: f64) -> f64 {
+        let Self {
+            hidden, amplitude, ..
+        } = *self;
+        let direction = at.rate.signum();
+        let speed = at.rate / (TAU * self.frequency * amplitude);
+        let place = at.angle / amplitude;
+        match kind {
+            "coulomb_friction" => hidden * direction,
+            "viscous_drag" => hidden * speed,
+            "stribeck" => 1.5 * hidden * (-speed.abs() / 0.15).exp() * direction,
+            "quadratic_drag" => hidden * speed * speed.abs(),
+            "transmitted_friction" => 0.12 * self.predicted(at).abs() * direction,
+            "unbalance" => hidden * (at.angle - self.phase).cos(),
+            "offset" => hidden,
+            "elastic_force" => hidden * place,
+            "acceleration_torque" => 0.12 * self.inertia * at.acceleration,
+            "coulomb_friction_and_friction_wear" => 2.0 * hidden * (1.0 + 0.5 * share) * direction,
+            "position_friction" => hidden * place * direction,
+            "friction_asymmetry" => hidden * speed.abs(),
+            "outside_ripple" => hidden * (9.0 * at.angle).cos(),
+            "outside_jump" if share > 0.4 => hidden * direction,
+            _ => 0.0,
+        }
+    }
+
+    /// A record over so many periods.
+    fn record(&self, kind: &str, periods: f64, stream: &mut Stream) -> String {
+        let parts: Vec<[f64; 3]> = [1.0, 1.7, 2.6]
+            .into_iter()
+            .map(|order: f64| {
+                let turn = TAU * self.frequency * order * stream.uniform(0.8, 1.2);
+                let size = self.amplitude * stream.uniform(0.3, 1.0) / order;
+                [size, turn, stream.uniform(0.0, TAU)]
+            })
+            .collect();
+        let motion = |time: f64| {
+            let mut at = Moment {
+                angle: 0.0,
+                rate: 0.0,
+                acceleration: 0.0,
+            };
+            for [size, turn, phase] in &parts {
+                let (sine, cosine) = (turn * time + phase).sin_cos();
+                at.angle += size * sine;
+                at.rate += size * turn * cosine;
+                at.acceleration -= size * turn * turn * sine;
+            }
+            at
+        };
+        let interval = self.period() / self.samples_per_period as f64;
+        let samples = (periods * self.samples_per_period as f64) as usize;
+        let delay = if kind == "sensor_delay" {
+            0.02 * self.period()
+        } else {
+            0.0
+        };
+        let usual_rate = TAU * self.frequency * self.amplitude;
+        let kept = (-TAU * 5.0 / self.samples_per_period as f64).exp();
+        let mut slow = 0.0;
+        let mut text = String::from("t,q,dq,torque,model\n");
+        for sample in 0..samples {
+            let time = sample as f64 * interval;
+            let (acts, read) = (motion(time), motion(time - delay));
+            slow = kept * slow + (1.0 - kept * kept).sqrt() * stream.normal();
+            let noise = self.torque * (0.01 * stream.normal() + 0.006 * slow);
+            let hidden = self.hidden(kind, acts, sample as f64 / samples as f64);
+            let torque = self.scale * self.predicted(acts) + hidden + noise;
+            let angle = read.angle + 2e-5 * stream.normal();
+            let rate = read.rate + 1e-3 * usual_rate * stream.normal();
+            let predicted = self.predicted(read);
+            let _ = writeln!(
+                text,
+                "{time:.9e},{angle:.9e},{rate:.9e},{torque:.9e},{predicted:.9e}"
+            );
+        }
+        text
+    }
+
+    fn model(&self) -> String {
+        let rate = self.samples_per_period as f64 * self.frequency;
+        format!(
+            r#"[plant]
+kind = "balance"
+path = "turn"
+
+[columns]
+time = {{ column = "t", unit = "s" }}
+position = {{ column = "q", unit = "rad" }}
+velocity = {{ column = "dq", unit = "rad/s" }}
+force = {{ column = "torque", unit = "N m" }}
+predicted = {{ column = "model", unit = "N m" }}
+
+[measurement]
+motion_low_pass = {:e}
+compare_low_pass = {:e}
+compare_rate = {:e}
+edge = {:e}
+
+[balance]
+scale = {{ value = 1.0, unit = "1", relative_uncertainty = 0.05 }}
+"#,
+            (15.0 * self.frequency).min(0.4 * rate),
+            10.0 * self.frequency,
+            (30.0 * self.frequency).min(rate),
+            0.3 * self.period(),
+        )
+    }
+}
+
+impl Case for BalanceCase {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn make(&self) -> Result<MadeCase, MakerError> {
+        let mut stream = Stream::new(self.seed, Purpose::Recipe);
+        let joint = Joint::draw(self.kind, &mut stream);
+        let mut files = vec![("model.toml".to_owned(), joint.model())];
+        for (run, (file, low, high)) in [("run-a.csv", 20.0, 35.0), ("held-out.csv", 10.0, 20.0)]
+            .into_iter()
+            .enumerate()
+        {
+            let mut stream = Stream::new(self.seed, Purpose::Sensors(run as u64));
+            let periods = stream.uniform(low, high);
+            files.push((
+                file.to_owned(),
+                joint.record(self.kind, periods, &mut stream),
+            ));
+        }
+        Ok(MadeCase {
+            files,
+            true_sensors: None,
+            answer: Answer {
+                kind: self.kind.to_owned(),
+                rough: 0.0,
+                seed: self.seed,
+                scale: 1.0,
+                spread: 0.02,
+                base: "balance".to_owned(),
+                truth: "balance".to_owned(),
+                effects: BTreeMap::new(),
+                parameter_ratio: BTreeMap::from([("balance.scale".to_owned(), joint.scale)]),
+                place: None,
+                places: BTreeMap::new(),
+                sensors: None,
+                facts: BTreeMap::from([
+                    ("frequency".to_owned(), joint.frequency),
+                    ("inertia".to_owned(), joint.inertia),
+                    (
+                        "hidden_torque_share".to_owned(),
+                        joint.hidden / joint.torque,
+                    ),
+                ]),
+            },
+        })
+    }
+}
