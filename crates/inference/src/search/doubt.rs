@@ -20,7 +20,8 @@ pub(super) fn weigh(problem: &Problem, known: &mut [Candidate], progress: &mut d
     let mut settled: Vec<(Vec<&'static str>, &'static str)> = Vec::new();
     loop {
         best_first(known);
-        if has_a_vanishing_effect(problem, &known[0]) {
+        let is_answer = known[0].score() > f64::NEG_INFINITY;
+        if is_answer && has_a_vanishing_effect(problem, &known[0]) {
             known[0].is_at_limit = true;
             continue;
         }
