@@ -253,6 +253,14 @@ fn assert_alike(before: &SmallFinding, after: &SmallFinding, what: &str) {
     }
 }
 
+/// Model, records, and what the columns and numbers of another size are multiplied by.
+type Plant = (
+    &'static str,
+    [String; 2],
+    Vec<f64>,
+    Vec<(&'static str, f64)>,
+);
+
 #[test]
 fn a_plant_of_another_size_and_speed_gets_the_same_verdict() {
     let friction: Torque = |_, rate, _, model, _| 0.1 * model.abs() * rate.signum();
@@ -264,7 +272,7 @@ fn a_plant_of_another_size_and_speed_gets_the_same_verdict() {
     for (force, time) in [(1e-4, 20.0), (1e6, 0.05), (1e6, 20.0), (1e-4, 0.05)] {
         let rates = names_of_rates.map(|name| (name, 1.0 / time));
         let edge = [("edge = ", time)];
-        let plants: [(&str, [String; 2], Vec<f64>, Vec<(&str, f64)>); 4] = [
+        let plants: [Plant; 4] = [
             (
                 DRIVE,
                 [drive(5.0, 1), drive(5.0, 2)],
@@ -418,6 +426,26 @@ fn bad_input_is_told_with_what_would_be_right() {
             message.contains(words) && (message.contains(file) || message.contains("run-a.csv: ")),
             "{words}: {message}"
         );
+    }
+    let joint = balance(|_, _, _, _, _| 0.0, 1);
+    for (from, to, words) in [
+        ("predicted = {", "# predicted = {", "what the model says"),
+        ("\"model\", unit", "\"torque\", unit", "same column"),
+        (
+            "kind = \"balance\"",
+            "kind = \"drive\"",
+            "belongs to a balance",
+        ),
+        (
+            "\"model\", unit",
+            "\"modle\", unit",
+            "has no column `modle`",
+        ),
+    ] {
+        let place = Place::new(&BALANCE.replacen(from, to, 1), &joint, &joint);
+        let (code, message) = place.run("diagnose", &[]);
+        assert_eq!(code, 2, "{message}");
+        assert!(message.contains(words), "{words}: {message}");
     }
     let place = Place::new(DRIVE, &record, &record);
     let (code, message) = place.run("diagnose", &[]);

@@ -118,7 +118,7 @@ fn quantity(kind: Kind) -> &'static str {
         Kind::Drive => "force that the measured motion needs",
         Kind::Pendulum => "angle in a free run",
         Kind::Contact => "force that the contact opposes to the measured motion",
-        Kind::Balance => "force beside the measured one",
+        Kind::Balance => "force that prediction and effects give",
     }
 }
 

@@ -165,6 +165,7 @@ impl Columns {
     /// # Errors
     /// [`ColumnError`], saying what would be right.
     pub fn check(&self, kind: Kind, path: Path) -> Result<(), ColumnError> {
+        let named = |column: &Option<Column>| column.as_ref().map(|own| own.column.clone());
         let missing = match kind {
             Kind::Drive if self.position.is_none() => Some("a drive needs position and force"),
             Kind::Drive if self.force.is_none() => Some("a drive needs the force that drives it"),
@@ -183,6 +184,9 @@ impl Columns {
             ),
             Kind::Balance if self.velocity.is_none() && self.position.is_none() => {
                 Some("a balance needs velocity or position")
+            }
+            Kind::Balance if named(&self.force) == named(&self.predicted) => {
+                Some("force and predicted are the same column; a balance compares two")
             }
             _ if self.predicted.is_some() && kind != Kind::Balance => {
                 Some("predicted belongs to a balance alone; leave the line out")
