@@ -39,7 +39,7 @@ fn read_by_a_poor_load_cell(bias: f64, stated: f64) -> Problem {
 #[test]
 fn what_an_error_of_the_load_cell_can_be_gets_no_effect_named() {
     for bias in [0.05, 0.1] {
-        let found = diagnose(&read_by_a_poor_load_cell(bias, bias), &mut |_| {});
+        let found = diagnose(&read_by_a_poor_load_cell(bias, 2.0 * bias), &mut |_| {});
         assert_eq!(
             found.verdict,
             Verdict::NothingMissing,
