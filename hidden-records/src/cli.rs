@@ -82,7 +82,8 @@ struct MakeArguments {
     #[arg(long, conflicts_with_all = ["suite", "other_rigs"])]
     own_sizes: bool,
     /// Joints whose torque is measured beside the one that a model predicts.
-    #[arg(long, conflicts_with_all = ["suite", "other_rigs", "full_rig", "own_sizes", "pairs", "triples", "outside", "clean", "rough"])]
+    #[arg(long, conflicts_with_all = ["suite", "other_rigs", "full_rig", "own_sizes", "pairs", "triples", "outside", "clean", "rough", "size",
+        "share_laws", "load_reference", "sensors", "instruments_unknown", "noise"])]
     balance: bool,
     /// Normal force in N at which a load exponent changes nothing, or `middle` for the middle load
     /// of the case.

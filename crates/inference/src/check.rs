@@ -99,8 +99,8 @@ fn beside_replicas<'a>(
         progress("what replicas of the records leave");
         replicas.push(left_of_replica(problem, fit, seed)?);
     }
-    let p_value = |own: &&'a Structure| (*own, exceeded(own.gain, gains(&replicas, own)));
-    Some(suspects.iter().map(p_value).collect())
+    let p_value = |own: &&'a Structure| Some((*own, exceeded(own.gain, gains(&replicas, own))?));
+    suspects.iter().map(p_value).collect()
 }
 
 fn gain_over(left: &[Structure], coordinate: Coordinate) -> f64 {

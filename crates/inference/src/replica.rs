@@ -170,18 +170,19 @@ impl Played<'_> {
 }
 
 /// Probability that a gain in log evidence like those of `replicas` reaches `gain`: half of them exceed their median, and beyond
-/// it, as half of a χ², they fall off exponentially; no less than the share of them that do reach it.
+/// it, as half of a χ², they fall off exponentially; no less than the share of them that do reach it. `None`
+/// where no replica has a gain.
 #[must_use]
-pub fn exceeded(gain: f64, mut replicas: Vec<f64>) -> f64 {
+pub fn exceeded(gain: f64, mut replicas: Vec<f64>) -> Option<f64> {
     replicas.retain(|own| own.is_finite());
     replicas.sort_by(f64::total_cmp);
     let upper = &replicas[replicas.len() / 2..];
-    let median = upper.first().copied().unwrap_or(f64::NEG_INFINITY);
+    let median = *upper.first()?;
     let beyond: f64 = upper.iter().map(|gain| gain - median).sum();
     let mean = beyond / upper.len().saturating_sub(1) as f64;
     let reaching = replicas.iter().filter(|own| **own >= gain).count();
     let share = reaching as f64 / replicas.len() as f64;
-    (0.5 * (-(gain - median).max(0.0) / mean).exp()).max(share)
+    Some((0.5 * (-(gain - median).max(0.0) / mean).exp()).max(share))
 }
 
 #[cfg(test)]
@@ -192,15 +193,16 @@ mod tests {
     fn a_gain_is_judged_by_how_far_replicas_scatter() {
         let calm = || vec![-12.0, -11.0, -10.0, -9.0, -8.0];
         let heavy = || vec![-12.0, -11.0, -10.0, 5.0, 15.0];
-        assert!(exceeded(10.0, calm()) < 1e-5);
-        assert!(exceeded(20.0, heavy()) > 0.05);
-        assert!((exceeded(-7.5, calm()) - 0.5 * (-2.5_f64 / 1.5).exp()).abs() < 1e-12);
+        assert!(exceeded(10.0, calm()).unwrap() < 1e-5);
+        assert!(exceeded(20.0, heavy()).unwrap() > 0.05);
+        assert!((exceeded(-7.5, calm()).unwrap() - 0.5 * (-2.5_f64 / 1.5).exp()).abs() < 1e-12);
     }
 
     #[test]
     fn what_a_replica_leaves_too_is_no_surprise() {
         let outlier = vec![-12.0, -11.9, -11.8, -11.7, -11.6, -11.5, -11.4, -11.3, 30.0];
-        assert!(exceeded(29.0, outlier) >= 1.0 / 9.0);
-        assert_eq!(exceeded(5.0, vec![20.0]), 1.0);
+        assert!(exceeded(29.0, outlier).unwrap() >= 1.0 / 9.0);
+        assert_eq!(exceeded(5.0, vec![20.0]), Some(1.0));
+        assert_eq!(exceeded(5.0, vec![f64::NAN]), None);
     }
 }

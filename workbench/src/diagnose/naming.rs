@@ -199,16 +199,16 @@ fn fates(found: &Diagnosis) -> Vec<String> {
             rival.at_an_end.join(", ")
         ));
     }
-    for rival in &found.ranking {
-        if let Some(p_value) = rival.p_value {
-            notes.push(format!(
-                "{} would gain {} in ln likelihood, but is not named: replicas of the records, made without what it adds, gain as much \
-                 with a probability of {}",
-                readable(&joined(&rival.effects)),
-                number(rival.gain - best.gain),
-                number(p_value)
-            ));
-        }
+    let by_chance = found.ranking.iter();
+    let by_chance = by_chance.filter_map(|rival| Some((rival, rival.p_value?)));
+    if let Some((rival, p_value)) = by_chance.max_by(|a, b| a.0.gain.total_cmp(&b.0.gain)) {
+        notes.push(format!(
+            "{} would gain {} in ln likelihood, but is not named: replicas of the records, made without what it adds, gain as much \
+             with a probability of {}",
+            readable(&joined(&rival.effects)),
+            number(rival.gain - best.gain),
+            number(p_value)
+        ));
     }
     notes
 }

@@ -20,8 +20,7 @@ pub struct Candidate {
     pub told: Told,
     /// Log likelihood of windows under what the other half of the records teaches.
     pub foretold: Told,
-    /// Whether a law of the set is what it becomes in its limit, as far as its numbers are known, or an effect is nothing.
-    /// [`search`](super::search) asks the latter of the sets that come first.
+    /// Whether a law of the set is what it becomes in its limit, as far as its numbers are known.
     pub is_at_limit: bool,
     /// Probability that replicas of the records without one of its effects gain as much by it; `None` where there was no doubt.
     pub p_value: Option<f64>,

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use super::candidate::candidate;
-use super::{Candidate, best_first};
-use crate::fit::Fit;
-use crate::hypothesis::Free;
-use crate::policy::{LN_PRIOR_ODDS, REPLICAS, SIGNIFICANT, SURELY};
+use super::{Candidate, best_first, keep, rebuilt};
+use crate::fit::{self, Fit};
+use crate::policy::{LN_PRIOR_ODDS, REPLICAS, SIGNIFICANT};
 use crate::problem::Problem;
 use crate::replica::{exceeded, replica};
 use crate::window::Begin;
@@ -16,32 +15,24 @@ const STEPS: usize = 8;
 
 /// Puts the set first that no doubt takes away: sets whose last effect gains what replicas without it gain too are no answers, and
 /// those that gain less over the same effects are none all the more.
-pub(super) fn weigh(problem: &Problem, known: &mut [Candidate], progress: &mut dyn FnMut(&str)) {
+pub(super) fn weigh(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnMut(&str)) {
     let mut settled: Vec<(Vec<&'static str>, &'static str)> = Vec::new();
     loop {
         best_first(known);
-        let is_answer = known[0].score() > f64::NEG_INFINITY;
-        if is_answer && has_a_vanishing_effect(problem, &known[0]) {
-            known[0].is_at_limit = true;
-            continue;
-        }
         let best = known[0].clone();
-        let doubted = best
-            .effects
-            .iter()
+        let open = best.effects.iter().copied();
+        let doubted = open
             .filter(|name| !settled.contains(&(best.effects.clone(), name)))
-            .filter_map(|name| {
-                let fewer = without(known, &best, name)?;
-                let gain = best.lead(fewer) - LN_PRIOR_ODDS;
-                Some((*name, fewer.clone(), gain))
-            })
-            .min_by(|a, b| a.2.total_cmp(&b.2));
-        let Some((name, fewer, gain)) = doubted else {
+            .filter_map(|name| Some((name, best.lead(without(known, &best, name)?))))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((name, _)) = doubted else {
             return;
         };
+        settled.push((best.effects.clone(), name));
+        let fewer = fitted_without(problem, &best, name, known);
+        let gain = best.lead(&fewer) - LN_PRIOR_ODDS;
         progress(&format!("replicas without {}", name.replace('_', " ")));
         let p_value = chance(problem, &best, &fewer, gain);
-        settled.push((best.effects.clone(), name));
         if p_value < SIGNIFICANT {
             continue;
         }
@@ -55,33 +46,27 @@ pub(super) fn weigh(problem: &Problem, known: &mut [Candidate], progress: &mut d
     }
 }
 
-/// Whether an effect of the set may as well have no size: no number that is nothing where the effect is none is surely something.
-fn has_a_vanishing_effect(problem: &Problem, set: &Candidate) -> bool {
-    let estimates = set.fit.estimates(&problem.long);
-    let is_something = |name: &str, nothing: f64| {
-        estimates
-            .iter()
-            .any(|own| own.name == name && (own.value - nothing).abs() > SURELY * own.deviation)
-    };
-    set.effects.iter().any(|effect| {
-        let is_own = |name: &str| name.split('.').next() == Some(*effect);
-        let sizes: Vec<bool> = set
-            .fit
-            .hypothesis
-            .free
-            .iter()
-            .filter_map(|free| match free {
-                Free::Value { name, origin, .. } if is_own(name) => {
-                    Some(is_something(name, *origin))
-                }
-                Free::Polar { amplitude, .. } if is_own(amplitude) => {
-                    Some(is_something(amplitude, 0.0))
-                }
-                _ => None,
-            })
-            .collect();
-        !sizes.is_empty() && !sizes.contains(&true)
-    })
+/// The set without an effect, from where that stands with it: where the same windows are missed and friction fluctuates as much, the
+/// effect alone makes the difference.
+fn fitted_without(
+    problem: &Problem,
+    best: &Candidate,
+    name: &str,
+    known: &mut Vec<Candidate>,
+) -> Candidate {
+    let data = &problem.long;
+    let own = best.effects.iter().copied();
+    let rest: Vec<&'static str> = own.filter(|own| *own != name).collect();
+    let hypothesis = rebuilt(problem, &rest, &best.fit.hypothesis);
+    let fit = Fit::at(
+        data,
+        hypothesis,
+        best.fit.starts.clone(),
+        best.fit.disturbance,
+    );
+    let fewer = candidate(problem, fit.improved(data, fit::STEPS));
+    keep(known, fewer.clone());
+    without(known, best, name).cloned().unwrap_or(fewer)
 }
 
 /// The set without an effect, if it was fitted.
@@ -115,7 +100,7 @@ fn chance(problem: &Problem, best: &Candidate, fewer: &Candidate, gain: f64) -> 
             return 0.0;
         }
     }
-    (looks * exceeded(gain, gains)).min(1.0)
+    exceeded(gain, gains).map_or(1.0, |p_value| (looks * p_value).min(1.0))
 }
 
 /// What the effect of `best` that `fewer` lacks gains on replica number `seed` of the latter.
