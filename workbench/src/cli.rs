@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::io::Write;
+use std::path::PathBuf;
 
 use build_fmu::explain::explain;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -14,6 +15,8 @@ use crate::cross_check::{self, CrossCheckArguments};
 use crate::diagnose::command::{self as diagnose, AmendArguments, DiagnoseArguments};
 use crate::diagnose::effect_page::{self, EffectsArguments};
 use crate::diagnose::score::{self, ScoreArguments};
+use crate::diagnose::small_plant::fmu::template::{self, PortsArguments};
+use crate::diagnose::small_plant::fmu::worker::{self, COMMAND as WORKER};
 use crate::experiment::{self, command::ExperimentArguments};
 use crate::identify::{self, command::IdentifyArguments};
 use crate::info::{self, InfoArguments};
@@ -108,6 +111,17 @@ Then: stickslip show my-case --out result")]
         after_help = "Examples: stickslip effects unbalance\n          stickslip effects --out docs/effects"
     )]
     Effects(EffectsArguments),
+    /// A first ports file for an FMU, by which `diagnose` takes it as a plant.
+    #[command(after_help = "Example: stickslip ports plant.fmu --out ports.toml
+
+Then: stickslip diagnose --model plant.fmu --ports ports.toml --records run-a.csv --held-out held-out.csv --out result")]
+    Ports(PortsArguments),
+    /// A run of an FMU in a process of its own; `diagnose` calls it.
+    #[command(name = WORKER, hide = true, after_help = "Example: stickslip fmu-worker directory")]
+    FmuWorker {
+        /// Directory with the job, where the answer goes.
+        directory: PathBuf,
+    },
     /// Diagnose cases whose answers are known, and judge the findings.
     #[command(after_help = "Example: stickslip score cases --out score --leave-one-out")]
     Score(ScoreArguments),
@@ -180,6 +194,11 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Amend(arguments) => diagnose::amend_command(arguments),
         Command::Show(arguments) => diagnose::show(arguments),
         Command::Effects(arguments) => effect_page::command(arguments),
+        Command::Ports(arguments) => template::command(arguments),
+        Command::FmuWorker { directory } => {
+            worker::work(directory)?;
+            Ok(Outcome::Done)
+        }
         Command::Score(arguments) => score::command(arguments),
         Command::Build(arguments) => build::command(arguments),
         Command::CrossCheck(arguments) => cross_check::command(arguments),

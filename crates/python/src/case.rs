@@ -1,6 +1,6 @@
 //! Cases: a model with records to learn from and to judge on, and their diagnosis.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::ensure;
 use inference::record::CHANNELS;
@@ -74,12 +74,18 @@ impl Case {
             Ok((parts?, held_out.transpose()?))
         };
         let (records, held_out) = parts().map_err(|error| any_error(&error))?;
+        let directory = Path::new(&model_name)
+            .parent()
+            .map(Path::to_owned)
+            .unwrap_or_default();
         Ok(Self {
             finished: Finished::default(),
             material: Material {
                 name,
                 model_name,
                 model_text,
+                directory,
+                fmu: None,
                 records,
                 held_out,
                 sensors,
@@ -135,7 +141,7 @@ impl Case {
         let material = self.material.clone();
         Job::start(move |_| {
             let notes = if material.is_of_small_plant() {
-                of_small_plant::load(&material)?.notes
+                of_small_plant::load(&material, &mut |_| {})?.notes
             } else {
                 material.load()?.notes
             };

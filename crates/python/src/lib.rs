@@ -13,9 +13,11 @@ mod rig;
 mod score;
 mod simulate;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
+use workbench::diagnose::small_plant::fmu::worker;
 
 /// Tells where the package keeps the libraries that go into FMUs.
 #[pyfunction]
@@ -41,6 +43,10 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         "FULL_RIG",
         include_str!("../../../modelDescription/full-rig.toml"),
     )?;
+    let executable = module.py().import("sys")?.getattr("executable")?;
+    if let Ok(executable) = executable.extract::<OsString>() {
+        worker::set_program(vec![executable, "-m".into(), "stickslip".into()]);
+    }
     errors::add_to(module)?;
     module.add_class::<arrays::Table>()?;
     module.add_class::<case::Case>()?;

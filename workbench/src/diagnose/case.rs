@@ -54,6 +54,15 @@ pub struct Case {
 /// Why a case cannot be used.
 #[derive(Debug, Error)]
 pub enum CaseError {
+    /// An FMU without its ports.
+    #[error(
+        "{path}: an FMU needs --ports, a file that says which columns and variables belong together; `stickslip ports {path}` \
+             writes a first one"
+    )]
+    NoPorts {
+        /// The FMU.
+        path: PathBuf,
+    },
     /// A file cannot be read.
     #[error("{path}: cannot be read: {source}")]
     Read {

@@ -23,9 +23,12 @@ pub struct CaseArguments {
     /// Directory with model.toml, run-*.csv and, if need be, held-out.csv, sensors.toml and effects/.
     #[arg(conflicts_with_all = ["model", "records", "held_out"], required_unless_present = "model")]
     pub case: Option<PathBuf>,
-    /// The model that the analyst believes.
+    /// The model that the analyst believes: a model.toml, or an FMU with --ports.
     #[arg(long, value_name = "FILE", requires = "records")]
     pub model: Option<PathBuf>,
+    /// How the FMU of --model meets the records; `stickslip ports plant.fmu` writes a first one.
+    #[arg(long, value_name = "FILE", requires = "model")]
+    pub ports: Option<PathBuf>,
     /// Records to learn from, whole or from one time to another: FILE@FROM:TO, in seconds.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub records: Vec<PathBuf>,
@@ -53,6 +56,10 @@ pub struct Material {
     pub model_name: String,
     /// Text of the model file, with its `[columns]`.
     pub model_text: String,
+    /// Where relative paths in the model file begin.
+    pub directory: PathBuf,
+    /// The FMU, where the model file does not name it.
+    pub fmu: Option<PathBuf>,
     /// Records to learn from.
     pub records: Vec<Part>,
     /// Record to judge on; without it the last one to learn from is held out, or the last quarter of a single one.
@@ -89,11 +96,20 @@ impl CaseArguments {
     pub fn material(&self) -> Result<Material, CaseError> {
         let (model_path, records, held_out) = self.paths()?;
         let sensors = self.sensors_path().map(|path| named_text(&path));
+        let is_fmu = model_path.extension().is_some_and(|own| own == "fmu");
+        let (fmu, model_path) = match &self.ports {
+            Some(ports) => (Some(model_path), ports.clone()),
+            None if is_fmu => return Err(CaseError::NoPorts { path: model_path }),
+            None => (None, model_path),
+        };
         let (model_name, model_text) = named_text(&model_path)?;
+        let directory = model_path.parent().map(Path::to_owned).unwrap_or_default();
         Ok(Material {
             name: file_name(self.case.as_ref().unwrap_or(&model_path)),
             model_name,
             model_text,
+            directory,
+            fmu,
             records,
             held_out,
             sensors: sensors.transpose()?,

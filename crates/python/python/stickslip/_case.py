@@ -30,7 +30,8 @@ class Case:
     Parameters
     ----------
     model : Rig or path
-        The model. A path may also be that of a small plant: a drive, a pendulum, a contact, a balance.
+        The model. A path may also be that of a small plant: a drive, a pendulum, a contact, a balance, or the
+        ports file of an FMU, whose ``[plant]`` names it.
     records : sequence or mapping of tables or paths
         Records to learn from, each with times [s] as index or as column ``time``, the inputs ``u`` [V] and ``N2`` [N], and some
         of ``theta``, ``theta3`` [rad], ``theta_dot``, ``theta3_dot`` [rad/s] and ``i`` [A], of shape (rows,) each; of the full

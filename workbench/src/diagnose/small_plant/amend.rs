@@ -119,6 +119,7 @@ fn quantity(kind: Kind) -> &'static str {
         Kind::Pendulum => "angle in a free run",
         Kind::Contact => "force that the contact opposes to the measured motion",
         Kind::Balance => "force that prediction and effects give",
+        Kind::Fmu => "force that the FMU lacks to move as measured",
     }
 }
 

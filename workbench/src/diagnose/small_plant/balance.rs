@@ -5,17 +5,17 @@ use super::model::Model;
 use super::model_file::Measurement;
 use super::motion::{Motion, Scales};
 use super::problem::Problem;
-use super::term::Sample;
-use super::unit::Kind;
+use super::term::{MOST_PARAMETERS, Sample};
+use super::unit::{Dimension, Kind};
 
 /// Order of the low-pass that both forces go through.
 const ORDER: usize = 8;
-/// Length of a piece in periods of the motion: several correlation times of what a model leaves.
+/// Length of a piece in periods of the motion: from one reversal to the next, since friction's errors change sign with the direction.
 const PIECE: f64 = 0.5;
 /// Least length of what is left out together, in periods of the motion: long against slow changes of load and temperature.
 const FOLD: f64 = 3.0;
 /// Most parts that are left out in turn.
-const MOST_FOLDS: usize = 8;
+pub const MOST_FOLDS: usize = 8;
 
 /// Records with measured force, prepared for comparison.
 #[derive(Debug, Clone)]
@@ -23,6 +23,10 @@ pub struct Balance {
     records: Vec<Prepared>,
     piece: usize,
     folds: Vec<usize>,
+    /// The FMU's parameters as the analyst believes them.
+    nominal: Vec<f64>,
+    /// Residual that weighs as much as one standard deviation of such a parameter.
+    known: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -31,6 +35,8 @@ struct Prepared {
     filter: Option<LowPass>,
     stride: usize,
     edge: usize,
+    /// Which of the thinned moments say something.
+    kept: Vec<usize>,
     /// Measured force, filtered and thinned.
     measured: Vec<f64>,
 }
@@ -64,8 +70,10 @@ impl Balance {
                     filter,
                     stride,
                     edge: (measurement.edge / motion.interval).round() as usize,
+                    kept: Vec::new(),
                     measured: Vec::new(),
                 };
+                prepared.kept = prepared.moving();
                 prepared.measured = prepared.thinned(&motion.force);
                 prepared
             })
@@ -85,7 +93,19 @@ impl Balance {
             folds: (0..total).map(|at| at * count / total.max(1)).collect(),
             records: prepared,
             piece,
+            nominal: Vec::new(),
+            known: 0.0,
         }
+    }
+
+    /// The same where the base's numbers are known from `model`, to the deviations that its parameters state; `known` is the residual
+    /// that weighs as much as one deviation.
+    #[must_use]
+    pub fn knowing(mut self, model: &Model, known: f64) -> Self {
+        let base = model.terms().first();
+        self.nominal = base.map_or(Vec::new(), |term| term.values.clone());
+        self.known = known;
+        self
     }
 
     /// Every compared moment under a model, in time.
@@ -94,11 +114,12 @@ impl Balance {
         let mut all = Vec::new();
         for record in &self.records {
             let forces = record.model_force(model);
+            let lightness = record.lightness(model);
             for (at, (measured, force)) in record.measured.iter().zip(forces).enumerate() {
                 all.push(Compared {
-                    sample: record.sample(record.edge + at * record.stride, 0.0),
-                    measured: *measured,
-                    model: force,
+                    sample: record.sample(record.edge + record.kept[at] * record.stride, 0.0),
+                    measured: lightness * measured,
+                    model: lightness * force,
                 });
             }
         }
@@ -116,18 +137,22 @@ impl Balance {
 }
 
 impl Prepared {
-    /// A series after the low-pass, without edges, every so many samples.
+    /// A series after the low-pass, at the moments that are compared.
     fn thinned(&self, series: &[f64]) -> Vec<f64> {
         let filtered = self.filter.as_ref().map(|filter| filter.apply(series));
         let series = filtered.as_deref().unwrap_or(series);
-        let end = series.len().saturating_sub(self.edge);
-        series
-            .get(self.edge..end)
-            .unwrap_or(&[])
-            .iter()
-            .step_by(self.stride)
-            .copied()
-            .collect()
+        let at = |kept: &usize| series[self.edge + kept * self.stride];
+        self.kept.iter().map(at).collect()
+    }
+
+    /// The moments to compare: not at the edges, every so many samples, and where the force that an FMU lacks is known.
+    fn moving(&self) -> Vec<usize> {
+        let count = self.motion.len().saturating_sub(2 * self.edge);
+        let moves = |kept: &usize| match &self.motion.pursuit {
+            Some(pursuit) => pursuit.moves[self.edge + kept * self.stride],
+            None => true,
+        };
+        (0..count.div_ceil(self.stride)).filter(moves).collect()
     }
 
     /// The moment at sample `at` plus `shift` samples, between samples on the cubic through four of them.
@@ -146,6 +171,9 @@ impl Prepared {
             (part + 1.0) * part * (part - 1.0) / 6.0,
         ];
         let between = |series: &[f64]| {
+            if part == 0.0 {
+                return series[low];
+            }
             let nodes = [series[before], series[low], series[high], series[after]];
             weights.iter().zip(nodes).map(|(w, y)| w * y).sum::<f64>()
         };
@@ -157,7 +185,44 @@ impl Prepared {
             direction: motion.direction[low],
             load: motion.load[at],
             predicted: between(&motion.predicted),
+            slopes: self.slopes(at),
+            nominal: motion.pursuit.as_ref().map_or(0.0, |own| own.nominal[at]),
         }
+    }
+
+    /// The port's inertia of the FMU over that of a model. Noise is that of the motion, which the inertia makes a
+    /// force: without it the lightest plant would be the best, since it leaves no force at all.
+    fn lightness(&self, model: &Model) -> f64 {
+        let (Some(pursuit), Some(base)) = (&self.motion.pursuit, model.terms().first()) else {
+            return 1.0;
+        };
+        let moved = base
+            .values
+            .iter()
+            .zip(&pursuit.at)
+            .zip(&pursuit.inertia_slopes);
+        let more: f64 = moved.map(|((value, at), slope)| (value - at) * slope).sum();
+        let accelerated = Sample {
+            acceleration: 1.0,
+            ..Sample::default()
+        };
+        let added = model.force(&accelerated) - model.force(&Sample::default());
+        let inertia = pursuit.inertia + more + added;
+        if inertia > 0.0 {
+            pursuit.inertia / inertia
+        } else {
+            f64::NAN
+        }
+    }
+
+    fn slopes(&self, at: usize) -> [f64; MOST_PARAMETERS] {
+        let mut slopes = [0.0; MOST_PARAMETERS];
+        if let Some(pursuit) = &self.motion.pursuit {
+            for (slope, series) in slopes.iter_mut().zip(&pursuit.slopes) {
+                *slope = series[at];
+            }
+        }
+        slopes
     }
 
     fn model_force(&self, model: &Model) -> Vec<f64> {
@@ -167,13 +232,19 @@ impl Prepared {
             0.0
         };
         // What is read now was there `delay` ago: the motion that goes with this force is read later.
-        let shift = model.delay() / self.motion.interval;
+        let found_at = self.motion.pursuit.as_ref().map_or(0.0, |own| own.at_delay);
+        let delay = model.delay() - found_at;
+        let shift = delay / self.motion.interval;
+        let delayed = |at: usize| match &self.motion.pursuit {
+            Some(pursuit) => delay * pursuit.delayed[at],
+            None => 0.0,
+        };
         let encoder = model.eccentricity();
         let force: Vec<f64> = (0..self.motion.len())
             .map(|at| {
                 let read = self.sample(at, shift);
                 let sample = encoder.map_or(read, |encoder| encoder.motion(&read));
-                model.force(&sample) + inertia * sample.acceleration
+                model.force(&sample) + inertia * sample.acceleration + delayed(at)
             })
             .collect();
         self.thinned(&force)
@@ -185,15 +256,31 @@ impl Problem for Balance {
         let mut pieces = Vec::with_capacity(self.folds.len());
         for record in &self.records {
             let forces = record.model_force(model);
+            let lightness = record.lightness(model);
             for (measured, forces) in record
                 .measured
                 .chunks(self.piece)
                 .zip(forces.chunks(self.piece))
             {
-                pieces.push(measured.iter().zip(forces).map(|(y, f)| y - f).collect());
+                let residual = |(y, f): (&f64, &f64)| (y - f) * lightness;
+                pieces.push(measured.iter().zip(forces).map(residual).collect());
             }
         }
         pieces
+    }
+
+    fn prior(&self, model: &Model) -> Vec<f64> {
+        let base = model.terms().first();
+        let numbers = base.map(|term| term.entry.parameters.iter().zip(&term.values));
+        numbers
+            .into_iter()
+            .flatten()
+            .zip(&self.nominal)
+            .filter_map(|((parameter, value), nominal)| match parameter.dimension {
+                Dimension::Own { size, .. } => Some(self.known * (value - nominal) / size),
+                _ => None,
+            })
+            .collect()
     }
 
     fn folds(&self) -> &[usize] {

@@ -1,6 +1,6 @@
 //! What an analyst's model of a small plant consists of before anything is added.
 
-use super::term::{Entry, Range, Role, parameter};
+use super::term::{Entry, Parameter, Range, Role, parameter};
 use super::unit::{Dimension, Kind};
 
 /// M·a + viscous·v + offset = force.
@@ -120,13 +120,43 @@ pub const BALANCE: Entry = Entry {
     starts: &[],
 };
 
-/// The base of a kind.
+/// Σ slope·(parameter − its value in the FMU) = force that the FMU lacks, with the parameters that its ports file calls uncertain.
 #[must_use]
-pub fn base(kind: Kind) -> &'static Entry {
-    match kind {
+pub fn of_fmu(parameters: Vec<Parameter>) -> &'static Entry {
+    // An entry lives as long as the program, as those of the other kinds do: a case has one, of a few hundred bytes.
+    Box::leak(Box::new(Entry {
+        name: PARAMETERS,
+        description: "the FMU's parameters that are uncertain",
+        signature: "",
+        confusable: &[],
+        kinds: &[Kind::Fmu],
+        path: None,
+        needs_load: false,
+        role: Role::Added,
+        parameters: Vec::leak(parameters),
+        force: |p, s, _| {
+            let sum: f64 = p
+                .iter()
+                .zip(s.slopes)
+                .map(|(value, slope)| value * slope)
+                .sum();
+            sum - s.nominal
+        },
+        starts: &[],
+    }))
+}
+
+/// Section of an FMU's uncertain parameters.
+pub const PARAMETERS: &str = "parameters";
+
+/// The base of a kind; `None` of an FMU, whose parameters its own file names.
+#[must_use]
+pub fn base(kind: Kind) -> Option<&'static Entry> {
+    Some(match kind {
         Kind::Drive => &DRIVE,
         Kind::Pendulum => &PENDULUM,
         Kind::Contact => &CONTACT,
         Kind::Balance => &BALANCE,
-    }
+        Kind::Fmu => return None,
+    })
 }

@@ -7,8 +7,14 @@ use thiserror::Error;
 
 use super::catalogue::{CATALOGUE, entry};
 use super::columns::Quantity;
+use super::evidence::unit;
+use super::fmu::missing::{Chased, MissingError, Recorded};
+use super::fmu::plant::Plant;
+use super::model::Model;
 use super::model_file::{SmallModel, SmallModelError};
 use super::motion::{Measured, Motion, Scales, root_mean_square};
+use super::problem::Problem;
+use super::showing::balance;
 use super::unit::Kind;
 use crate::diagnose::material::Material;
 use crate::diagnose::record_part::Part;
@@ -34,6 +40,10 @@ pub struct SmallCase {
     pub goes_on: bool,
     /// Usual sizes in the records to learn from.
     pub scales: Scales,
+    /// Residual that weighs as much as one standard deviation of an FMU's parameter.
+    pub known: f64,
+    /// The FMU and its records as they were measured; none of the other kinds.
+    pub chased: Option<Chased>,
     /// Effects taken out of the catalogue.
     pub without: Vec<String>,
     /// What has to be said about the records.
@@ -71,6 +81,9 @@ pub enum SmallCaseError {
         /// The columns that are there.
         known: String,
     },
+    /// The force that an FMU lacks is not known.
+    #[error(transparent)]
+    Fmu(#[from] MissingError),
     /// A record that cannot be used.
     #[error("{file}: {what}")]
     Unusable {
@@ -88,7 +101,10 @@ pub enum SmallCaseError {
 ///
 /// # Errors
 /// [`SmallCaseError`], naming the file and what would be right.
-pub fn load(material: &Material) -> Result<SmallCase, SmallCaseError> {
+pub fn load(
+    material: &Material,
+    progress: &mut dyn FnMut(&str),
+) -> Result<SmallCase, SmallCaseError> {
     if let Some((sensors, _)) = &material.sensors {
         return Err(SmallCaseError::Usage(format!(
             "{sensors}: a small plant's instruments stand in its model file, [columns] and [measurement]; leave the sensors out"
@@ -99,7 +115,17 @@ pub fn load(material: &Material) -> Result<SmallCase, SmallCaseError> {
             "{file}: effects from files are tried on rigs so far, not on small plants; leave --catalogue out"
         )));
     }
-    let model = SmallModel::parse(&material.model_text, &material.model_name)?;
+    let mut model = SmallModel::parse(&material.model_text, &material.model_name)?;
+    if let Some(fmu) = &material.fmu {
+        let Some(ports) = &mut model.ports else {
+            return Err(SmallCaseError::Usage(format!(
+                "{}: is no ports file: its [plant] kind is \"{}\" and not \"fmu\"",
+                material.model_name,
+                model.model.kind.word()
+            )));
+        };
+        ports.fmu = Some(std::path::absolute(fmu).unwrap_or_else(|_| fmu.clone()));
+    }
     for name in &material.without {
         check_effect(name)
             .map_err(|what| SmallCaseError::Usage(format!("--without {name}: {what}")))?;
@@ -111,11 +137,39 @@ pub fn load(material: &Material) -> Result<SmallCase, SmallCaseError> {
                 .to_owned(),
         ));
     };
-    let mut records = Vec::new();
-    for part in parts {
-        records.push(read(part, &model)?);
+    let plant = match &model.ports {
+        Some(ports) => {
+            let named = Plant::find(&model, ports, &material.model_name, &material.directory);
+            Some(named.map_err(MissingError::from)?)
+        }
+        None => None,
+    };
+    let columns: Vec<&str> = plant.iter().flat_map(Plant::columns).collect();
+    let mut all = Vec::new();
+    for part in parts.iter().chain([held_out_part]) {
+        all.push(read(part, &model, &columns)?);
     }
-    let mut held_out = read(held_out_part, &model)?;
+    let chased = match plant {
+        Some(plant) => {
+            let Some(cut_off) = model.measurement.compare_low_pass else {
+                return Err(SmallCaseError::Usage(format!(
+                    "{}: [measurement] lacks compare_low_pass; the force that an FMU lacks is known below a frequency alone",
+                    material.model_name
+                )));
+            };
+            Some(Chased {
+                plant,
+                records: all.clone(),
+                cut_off,
+                standstill: model.measurement.standstill_speed,
+            })
+        }
+        None => None,
+    };
+    let mut records: Vec<Motion> = all.into_iter().map(|own| own.motion).collect();
+    let Some(mut held_out) = records.pop() else {
+        return Err(SmallCaseError::Usage("the case has no record".to_owned()));
+    };
     for (part, record) in parts.iter().zip(&records) {
         check_apart(part, record, held_out_part, &held_out)?;
     }
@@ -123,6 +177,13 @@ pub fn load(material: &Material) -> Result<SmallCase, SmallCaseError> {
         .last()
         .is_some_and(|last| continues(last, held_out_part));
     relate_load(&model, &mut records, &mut held_out)?;
+    if let Some(chased) = &chased {
+        let nominal = &model.model.terms()[0].values;
+        records = chased.missing(nominal, model.model.delay(), progress)?;
+        if let Some(last) = records.pop() {
+            held_out = last;
+        }
+    }
     let scales = Scales::of(&records);
     for (size, what) in [
         (scales.speed, "does not move"),
@@ -143,7 +204,8 @@ pub fn load(material: &Material) -> Result<SmallCase, SmallCaseError> {
              motion that they show"
         )));
     }
-    Ok(SmallCase {
+    let mut case = SmallCase {
+        known: 0.0,
         name: material.name.clone(),
         model,
         records,
@@ -151,11 +213,19 @@ pub fn load(material: &Material) -> Result<SmallCase, SmallCaseError> {
         goes_on,
         scales,
         without: material.without.clone(),
-        notes: vec![
-            "no FMU was built: the library's rigs do not include such a plant; model.amended.toml is the amended model"
-                .to_owned(),
-        ],
-    })
+        notes: chased
+            .iter()
+            .flat_map(|chased| chased.plant.notes.clone())
+            .chain([
+                "no FMU was built: the library's rigs do not include such a plant; model.amended.toml is the amended model"
+                    .to_owned(),
+            ])
+            .collect(),
+        chased,
+    };
+    let model = case.model.model.clone();
+    case.weigh_knowledge(&model);
+    Ok(case)
 }
 
 /// Refuses names that the small plants' catalogue does not have.
@@ -173,7 +243,7 @@ pub fn check_effect(name: &str) -> Result<(), String> {
     ))
 }
 
-fn read(part: &Part, model: &SmallModel) -> Result<Motion, SmallCaseError> {
+fn read(part: &Part, model: &SmallModel, driven: &[&str]) -> Result<Recorded, SmallCaseError> {
     let file = part.path.display().to_string();
     let unusable = |what: String| SmallCaseError::Unusable {
         file: file.clone(),
@@ -300,7 +370,19 @@ fn read(part: &Part, model: &SmallModel) -> Result<Motion, SmallCaseError> {
     if let Some(predicted) = series(Quantity::Predicted)? {
         motion.predicted = predicted;
     }
-    Ok(motion)
+    let driven = driven.iter().map(|name| {
+        let values = record
+            .column(name)
+            .ok_or_else(|| SmallCaseError::NoColumn {
+                file: file.clone(),
+                column: (*name).to_owned(),
+                quantity: "what drives an input",
+                known: known.clone(),
+            })?;
+        Ok(values.to_vec())
+    });
+    let driven = driven.collect::<Result<Vec<_>, SmallCaseError>>()?;
+    Ok(Recorded { motion, driven })
 }
 
 /// Refuses a velocity that is not the position's, such as one in rpm called rad/s.
@@ -409,6 +491,33 @@ fn file_name(path: &FilePath) -> String {
 }
 
 impl SmallCase {
+    /// Finds the force that an FMU lacks anew, with its parameters and the delay as `model` has them.
+    ///
+    /// # Errors
+    /// [`SmallCaseError::Fmu`].
+    pub fn pursue(
+        &mut self,
+        model: &Model,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<(), SmallCaseError> {
+        if let Some(chased) = &self.chased {
+            let parameters = &model.terms()[0].values;
+            self.records = chased.missing(parameters, model.delay(), progress)?;
+            if let Some(last) = self.records.pop() {
+                self.held_out = last;
+            }
+            self.weigh_knowledge(model);
+        }
+        Ok(())
+    }
+
+    /// Weighs what is known of an FMU's parameters against residuals as large as `model` leaves.
+    fn weigh_knowledge(&mut self, model: &Model) {
+        if self.kind() == Kind::Fmu {
+            self.known = unit(&balance(self).residuals(model)).sqrt();
+        }
+    }
+
     /// What the plant is.
     #[must_use]
     pub fn kind(&self) -> Kind {

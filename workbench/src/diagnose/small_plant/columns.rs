@@ -107,7 +107,9 @@ impl Quantity {
         }
     }
 
-    fn units(self, path: Path) -> &'static [(&'static str, f64)] {
+    /// Units of the quantity along such a path with what one of each is in SI units, SI first.
+    #[must_use]
+    pub fn units(self, path: Path) -> &'static [(&'static str, f64)] {
         match (self, path) {
             (Self::Time, _) => &[("s", 1.0), ("ms", 1e-3), ("min", 60.0)],
             (Self::Position, Path::Line) => &[("m", 1.0), ("mm", 1e-3), ("um", 1e-6)],
@@ -188,6 +190,12 @@ impl Columns {
             Kind::Balance if named(&self.force) == named(&self.predicted) => {
                 Some("force and predicted are the same column; a balance compares two")
             }
+            Kind::Fmu if self.velocity.is_none() && self.position.is_none() => {
+                Some("an FMU is compared by its motion: name velocity or position")
+            }
+            Kind::Fmu if self.force.is_some() => Some(
+                "what drives an FMU stands in [inputs]; leave the force out, or name the input that it is",
+            ),
             _ if self.predicted.is_some() && kind != Kind::Balance => {
                 Some("predicted belongs to a balance alone; leave the line out")
             }

@@ -12,7 +12,7 @@ use super::console::screen;
 use super::finding::SmallFinding;
 use super::model::Model;
 use super::model_file::SmallModel;
-use super::naming::{candidates, fit_base, fit_with, name as name_effects, shows};
+use super::naming::{Naming, candidates, fit_base, fit_with, name as name_effects, shows};
 use super::report::page;
 use super::showing::{balance, models_on_the_way, step};
 use super::term::Entry;
@@ -22,6 +22,9 @@ use crate::diagnose::finding::VerdictName;
 use crate::diagnose::material::Material;
 use crate::diagnose::report::FILE as REPORT;
 use crate::files::atomic;
+
+/// Most times that effects are named anew.
+const MOST_ROUNDS: usize = 4;
 
 /// A stage, or all of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,9 +52,9 @@ pub fn run(
     progress: &mut dyn FnMut(&str),
 ) -> anyhow::Result<(Outcome, String)> {
     let begun = Instant::now();
-    let case = load(material)?;
+    let mut case = load(material, progress)?;
     let mut found = match stage {
-        Stage::All | Stage::Name => named_finding(&case, progress),
+        Stage::All | Stage::Name => named_finding(&mut case, progress)?,
         Stage::Locate => located(&case, progress),
         Stage::Amend(effects) if !effects.is_empty() => forced(&case, effects, progress)?,
         Stage::Amend(_) | Stage::Show => SmallFinding::read(out)?,
@@ -71,6 +74,9 @@ pub fn run(
         })?;
     }
     if matches!(stage, Stage::All | Stage::Show) {
+        if stage == Stage::Show {
+            case.pursue(&SmallModel::parse(&text, AMENDED)?.model, progress)?;
+        }
         let [before, after] = show(&case, &mut found, &text, progress)?;
         progress("report");
         let page = page(&case, &found, &before, &after);
@@ -92,13 +98,29 @@ pub fn run(
     Ok((outcome, screen(&case.name, &found)))
 }
 
-fn named_finding(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {
+/// Names what is missing. The force that an FMU lacks depends on its parameters, and how much the knowledge of those weighs on what is
+/// named: so until the names do not change any more.
+fn named_finding(
+    case: &mut SmallCase,
+    progress: &mut dyn FnMut(&str),
+) -> anyhow::Result<SmallFinding> {
     let has_load = case.model.columns.load.is_some();
     let (open, hidden): (Vec<_>, Vec<_>) = candidates(&case.model.model, has_load, &case.without)
         .into_iter()
         .partition(|entry| shows(entry, case.kind(), case.records.len()));
-    let problem = balance(case);
-    let naming = name_effects(&problem, &case.model.model, &case.scales, &open, progress);
+    let mut naming = names(case, &open, progress);
+    for _ in 0..MOST_ROUNDS {
+        if case.chased.is_none() {
+            break;
+        }
+        case.pursue(&naming.amended.model, progress)?;
+        let again = names(case, &open, progress);
+        let is_settled = again.names() == naming.names();
+        naming = again;
+        if is_settled {
+            break;
+        }
+    }
     progress("numbers and their intervals");
     let mut found = named(case, &naming);
     found.finding.notes.extend(hidden.iter().map(|entry| {
@@ -108,7 +130,17 @@ fn named_finding(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFindi
             entry.name
         )
     }));
-    found
+    Ok(found)
+}
+
+fn names(case: &SmallCase, open: &[&'static Entry], progress: &mut dyn FnMut(&str)) -> Naming {
+    name_effects(
+        &balance(case),
+        &case.model.model,
+        &case.scales,
+        open,
+        progress,
+    )
 }
 
 fn located(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {

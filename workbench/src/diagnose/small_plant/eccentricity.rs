@@ -55,7 +55,7 @@ mod tests {
             acceleration: 0.0,
             direction: 1.0,
             load: 1.0,
-            predicted: 0.0,
+            ..Sample::default()
         };
         let (step, time) = (1e-4, 0.3);
         let [before, now, after] = [time - step, time, time + step].map(read);

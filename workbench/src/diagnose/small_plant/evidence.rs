@@ -10,7 +10,7 @@ const REFIT_STEPS: usize = 3;
 /// Resamplings of the pieces.
 const RESAMPLINGS: usize = 4000;
 
-/// Squared errors piece by piece, each under a fit that has not seen its fold.
+/// Squared errors piece by piece, each under a fit that has not seen its fold; last those against what was known before.
 #[must_use]
 pub fn left_out_errors(problem: &dyn Problem, fitted: &Fit, scales: &Scales) -> Vec<f64> {
     let folds = problem.folds();
@@ -24,6 +24,7 @@ pub fn left_out_errors(problem: &dyn Problem, fitted: &Fit, scales: &Scales) -> 
             }
         }
     }
+    errors.push(problem.prior(&fitted.model).iter().map(|r| r * r).sum());
     errors
 }
 

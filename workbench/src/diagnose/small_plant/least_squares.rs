@@ -6,6 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::evidence::unit;
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
@@ -78,7 +79,14 @@ impl Coordinates {
     }
 }
 
-/// Derivatives of the residuals, piece by piece: one row per residual, one column per free number.
+/// Residuals and, as one piece more, errors against what was known before.
+fn errors(problem: &dyn Problem, model: &Model) -> Vec<Vec<f64>> {
+    let mut all = problem.residuals(model);
+    all.push(problem.prior(model));
+    all
+}
+
+/// Derivatives of the errors, piece by piece: one row per error, one column per free number.
 fn jacobian(
     problem: &dyn Problem,
     coordinates: &Coordinates,
@@ -93,7 +101,7 @@ fn jacobian(
     for column in 0..x.len() {
         let mut shifted = x.clone();
         shifted[column] += STEP;
-        let moved = problem.residuals(&coordinates.set(model, &shifted));
+        let moved = errors(problem, &coordinates.set(model, &shifted));
         for ((piece, before), after) in pieces.iter_mut().zip(residuals).zip(&moved) {
             for (row, (b, a)) in before.iter().zip(after).enumerate() {
                 piece[(row, column)] = (a - b) / STEP;
@@ -117,6 +125,7 @@ pub fn fit(
         .folds()
         .iter()
         .map(|fold| Some(*fold) != without)
+        .chain([true])
         .collect();
     let loss = |residuals: &[Vec<f64>]| -> f64 {
         residuals
@@ -129,7 +138,7 @@ pub fn fit(
     };
     let mut best = Fit {
         model: model.clone(),
-        residuals: problem.residuals(model),
+        residuals: errors(problem, model),
         loss: 0.0,
     };
     best.loss = loss(&best.residuals);
@@ -154,7 +163,7 @@ pub fn fit(
             if let Some(step) = damped_step(&normal, &gradient, damping) {
                 let moved: Vec<f64> = x.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect();
                 let model = coordinates.set(&best.model, &moved);
-                let residuals = problem.residuals(&model);
+                let residuals = errors(problem, &model);
                 let loss = loss(&residuals);
                 if loss < best.loss {
                     best = Fit {
@@ -172,6 +181,7 @@ pub fn fit(
             break;
         }
     }
+    best.residuals.pop();
     best
 }
 
@@ -199,7 +209,13 @@ pub fn intervals(
     scales: &Scales,
 ) -> Vec<(usize, usize, [f64; 2])> {
     let coordinates = Coordinates::new(&fit.model, scales);
-    let pieces = jacobian(problem, &coordinates, &fit.model, &fit.residuals);
+    let mut pieces = jacobian(
+        problem,
+        &coordinates,
+        &fit.model,
+        &errors(problem, &fit.model),
+    );
+    let known = pieces.pop();
     let size = coordinates.places.len();
     let mut normal = DMatrix::<f64>::zeros(size, size);
     let mut between = DMatrix::<f64>::zeros(size, size);
@@ -207,6 +223,11 @@ pub fn intervals(
         normal += jacobian.tr_mul(jacobian);
         let pull = jacobian.tr_mul(&DVector::from_column_slice(residuals));
         between += &pull * pull.transpose();
+    }
+    if let Some(known) = known {
+        let information = known.tr_mul(&known);
+        between += unit(&fit.residuals) * &information;
+        normal += information;
     }
     let count = pieces.len() as f64;
     // Fewer pieces than numbers say nothing about the spread between them.

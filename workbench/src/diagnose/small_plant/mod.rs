@@ -1,4 +1,5 @@
-//! Small plants: a drive under a known force, a pendulum that swings freely, a contact whose torque and motion are measured.
+//! Small plants: a drive under a known force, a pendulum that swings freely, a contact whose torque and motion are measured, a
+//! balance of measured and predicted force, anybody's FMU.
 //!
 //! Their motion is measured, so that a model is judged by the force it needs for that motion (drive, contact) or by the swing
 //! it predicts (pendulum). A [`model::Model`] is a base and effects, each a term of one equation; a [`problem::Problem`] gives
@@ -17,6 +18,7 @@ pub mod eccentricity;
 pub mod evidence;
 pub mod filter;
 pub mod finding;
+pub mod fmu;
 pub mod least_squares;
 pub mod model;
 pub mod model_file;

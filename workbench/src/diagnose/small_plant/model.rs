@@ -1,6 +1,5 @@
 //! A small plant's model: its base and the effects added to it.
 
-use super::base::base;
 use super::eccentricity::Eccentricity;
 use super::term::{Entry, Parameter, Role, Sample};
 use super::unit::{Dimension, Kind, Path};
@@ -27,8 +26,7 @@ pub struct Model {
 impl Model {
     /// The base alone, with its numbers.
     #[must_use]
-    pub fn new(kind: Kind, path: Path, values: Vec<f64>) -> Self {
-        let entry = base(kind);
+    pub fn new(kind: Kind, path: Path, entry: &'static Entry, values: Vec<f64>) -> Self {
         Self {
             kind,
             path,

@@ -1,17 +1,19 @@
 //! `model.toml` of a small plant: what it is, its columns, how it is measured, its numbers and effects.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use serde::Deserialize;
 use thiserror::Error;
 use toml::Value;
 
-use super::base::base;
+use super::base::{PARAMETERS, base, of_fmu};
 use super::catalogue::{CATALOGUE, entry};
 use super::columns::{ColumnError, Columns};
+use super::fmu::ports::Ports;
 use super::model::Model;
-use super::term::{Entry, Range};
-use super::unit::{Kind, Path};
+use super::term::{Entry, MOST_PARAMETERS, Parameter, Range};
+use super::unit::{Dimension, Kind, Path};
 
 /// What is wrong with a small plant's model file.
 #[derive(Debug, Error)]
@@ -108,6 +110,8 @@ pub struct SmallModel {
     pub columns: Columns,
     /// How they are compared.
     pub measurement: Measurement,
+    /// How an FMU meets the records; none of the other kinds.
+    pub ports: Option<Ports>,
     /// Origins by dotted name.
     pub origins: BTreeMap<String, Origin>,
 }
@@ -117,6 +121,7 @@ pub struct SmallModel {
 struct PlantSection {
     kind: String,
     path: String,
+    fmu: Option<PathBuf>,
 }
 
 #[derive(Deserialize)]
@@ -169,7 +174,7 @@ impl Reader<'_> {
     fn read(&self) -> Result<SmallModel, SmallModelError> {
         let plant: PlantSection = self.section(
             "plant",
-            "kind = \"drive\", \"pendulum\", \"contact\" or \"balance\" and path = \"line\" or \"turn\"",
+            "kind = \"drive\", \"pendulum\", \"contact\", \"balance\" or \"fmu\" and path = \"line\" or \"turn\"",
         )?;
         let kind = self.word("kind", &plant.kind, &Kind::ALL, Kind::word)?;
         let path = self.word("path", &plant.path, &[Path::Line, Path::Turn], Path::word)?;
@@ -193,10 +198,26 @@ impl Reader<'_> {
         self.check_measurement(&measurement)?;
         self.check_sections(kind, path, columns.load.is_some())?;
         let mut origins = BTreeMap::new();
+        let ports = match kind {
+            Kind::Fmu => Some(self.ports(plant.fmu)?),
+            _ if plant.fmu.is_some() => {
+                return Err(SmallModelError::Unknown {
+                    file: self.file.to_owned(),
+                    what: format!("key fmu in the model of a {}", kind.word()),
+                    known: "kind and path".to_owned(),
+                });
+            }
+            _ => None,
+        };
+        let base = match base(kind) {
+            Some(base) => base,
+            None => of_fmu(self.parameters()?),
+        };
         let mut model = Model::new(
             kind,
             path,
-            self.values(base(kind), kind, path, &mut origins)?,
+            base,
+            self.values(base, kind, path, &mut origins)?,
         );
         for name in self.table.keys() {
             if let Some(effect) = entry(name) {
@@ -207,8 +228,81 @@ impl Reader<'_> {
             model,
             columns,
             measurement,
+            ports,
             origins,
         })
+    }
+
+    /// What an FMU's file has beside the other kinds'.
+    fn ports(&self, fmu: Option<PathBuf>) -> Result<Ports, SmallModelError> {
+        Ok(Ports {
+            fmu,
+            port: self.section(
+                "port",
+                "input, the FMU's input at which a force acts, and position, velocity or both, its outputs there",
+            )?,
+            inputs: self.optional(
+                "inputs",
+                "lines such as u = { column = \"voltage\", unit = \"V\", between = \"linear\" }",
+            )?,
+            start: self.optional("start", "lines such as phi_start = \"position\"")?,
+        })
+    }
+
+    /// An FMU's uncertain parameters.
+    fn parameters(&self) -> Result<Vec<Parameter>, SmallModelError> {
+        let table: BTreeMap<String, NumberTable> = self.optional(
+            PARAMETERS,
+            "lines such as inertia = { value = 0.1, unit = \"kg.m2\", relative_uncertainty = 0.05 }",
+        )?;
+        if table.len() > MOST_PARAMETERS {
+            return Err(self.wrong(
+                PARAMETERS,
+                "number of lines",
+                &table.len().to_string(),
+                &format!("{MOST_PARAMETERS} or fewer: give those that are least certain"),
+            ));
+        }
+        let leaked = |text: String| -> &'static str { text.leak() };
+        table
+            .into_iter()
+            .map(|(key, number)| {
+                let size = match (number.relative_uncertainty, number.interval95) {
+                    (Some(share), _) => number.value * share,
+                    (None, Some([low, high])) => 0.5 * (high - low) / 1.96,
+                    (None, None) => 0.0,
+                };
+                if !(size.abs() > 0.0 && size.is_finite()) {
+                    return Err(self.wrong(
+                        PARAMETERS,
+                        &key,
+                        &number.value.to_string(),
+                        "a number with relative_uncertainty above 0, or an interval95",
+                    ));
+                }
+                Ok(Parameter {
+                    key: leaked(key),
+                    dimension: Dimension::Own {
+                        unit: leaked(number.unit.unwrap_or_default()),
+                        size: size.abs(),
+                    },
+                    range: Range::Free,
+                    description: "uncertain parameter of the FMU",
+                })
+            })
+            .collect()
+    }
+
+    fn optional<T: serde::de::DeserializeOwned + Default>(
+        &self,
+        name: &str,
+        expected: &str,
+    ) -> Result<T, SmallModelError> {
+        if self.table.contains_key(name) {
+            self.section(name, expected)
+        } else {
+            Ok(T::default())
+        }
     }
 
     fn section<T: serde::de::DeserializeOwned>(
@@ -295,7 +389,12 @@ impl Reader<'_> {
         path: Path,
         has_load: bool,
     ) -> Result<(), SmallModelError> {
-        let base = base(kind).name;
+        let base = base(kind).map_or(PARAMETERS, |entry| entry.name);
+        let own: &[&str] = if kind == Kind::Fmu {
+            &["port", "inputs", "start"]
+        } else {
+            &[]
+        };
         let possible = || {
             CATALOGUE
                 .iter()
@@ -303,7 +402,7 @@ impl Reader<'_> {
                 .map(|entry| entry.name)
         };
         for section in self.table.keys() {
-            let known = ["plant", "columns", "measurement", base];
+            let known = [&["plant", "columns", "measurement", base], own].concat();
             if !known.contains(&section.as_str()) && !possible().any(|name| name == section) {
                 return Err(SmallModelError::Unknown {
                     file: self.file.to_owned(),
@@ -346,11 +445,12 @@ impl Reader<'_> {
             key: key.to_owned(),
             expected: expected(),
         };
-        let table = self
-            .table
-            .get(entry.name)
-            .and_then(Value::as_table)
-            .ok_or_else(|| missing("everything"))?;
+        let nothing = toml::Table::new();
+        let table = match self.table.get(entry.name).and_then(Value::as_table) {
+            Some(table) => table,
+            None if entry.parameters.is_empty() => &nothing,
+            None => return Err(missing("everything")),
+        };
         if let Some(key) = table
             .keys()
             .find(|key| !entry.parameters.iter().any(|p| p.key == **key))
@@ -437,7 +537,8 @@ impl Reader<'_> {
 }
 
 /// A unit without the signs by which writers differ: "N m" and "N.m" are one.
-fn plain(unit: &str) -> String {
+#[must_use]
+pub fn plain(unit: &str) -> String {
     unit.chars()
         .filter(|c| !c.is_whitespace() && *c != '.')
         .collect()

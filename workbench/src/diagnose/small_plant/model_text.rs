@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::columns::Column;
+use super::fmu::ports::key;
 use super::model_file::{Measurement, SmallModel, dotted};
 
 impl SmallModel {
@@ -11,12 +12,16 @@ impl SmallModel {
     pub fn to_toml(&self, head: &str) -> String {
         let (kind, path) = (self.model.kind, self.model.path);
         let mut text: String = head.lines().map(|line| format!("# {line}\n")).collect();
-        let _ = write!(
+        let _ = writeln!(
             text,
-            "\n[plant]\nkind = \"{}\"\npath = \"{}\"\n\n[columns]\n",
+            "\n[plant]\nkind = \"{}\"\npath = \"{}\"",
             kind.word(),
             path.word()
         );
+        if let Some(ports) = &self.ports {
+            text.push_str(&ports.to_toml());
+        }
+        text.push_str("\n[columns]\n");
         for (
             quantity,
             Column {
@@ -61,7 +66,7 @@ impl SmallModel {
                 let _ = write!(
                     text,
                     "{} = {{ value = {value:?}, unit = {:?}",
-                    parameter.key,
+                    key(parameter.key),
                     parameter.dimension.unit(kind, path)
                 );
                 if let Some(origin) = self.origins.get(&dotted(term.entry, parameter.key)) {

@@ -32,6 +32,29 @@ pub struct Motion {
     pub load: Vec<f64>,
     /// Force or torque that somebody's own model predicts [N or N m]; zero where there is none.
     pub predicted: Vec<f64>,
+    /// What is particular to an FMU's missing force.
+    pub pursuit: Option<Pursuit>,
+}
+
+/// How an FMU's missing force changes with what is uncertain, and where it says something.
+#[derive(Debug, Clone)]
+pub struct Pursuit {
+    /// Values of the uncertain parameters at which it was found.
+    pub at: Vec<f64>,
+    /// Delay of the motion's readings at which it was found [s].
+    pub at_delay: f64,
+    /// By how much it falls as each uncertain parameter grows [N or N m over the parameter's unit].
+    pub slopes: Vec<Vec<f64>>,
+    /// The same times those values, summed [N or N m].
+    pub nominal: Vec<f64>,
+    /// Inertia at the port [kg or kg m²].
+    pub inertia: f64,
+    /// How the inertia grows with each uncertain parameter.
+    pub inertia_slopes: Vec<f64>,
+    /// By how much it falls as the motion is read later [N/s or N m/s].
+    pub delayed: Vec<f64>,
+    /// Whether the plant moves. At rest its own friction takes any force up to breakaway, so that the missing one is not known.
+    pub moves: Vec<bool>,
 }
 
 /// Usual sizes of what is in a record: root mean squares.
@@ -107,6 +130,7 @@ impl Motion {
             force: vec![0.0; count],
             load: vec![1.0; count],
             predicted: vec![0.0; count],
+            pursuit: None,
         }
     }
 

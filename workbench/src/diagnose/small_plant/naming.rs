@@ -71,6 +71,14 @@ pub struct Naming {
     pub amended: Fit,
 }
 
+impl Naming {
+    /// The effects that were kept.
+    #[must_use]
+    pub fn names(&self) -> Vec<&'static str> {
+        self.kept.iter().map(|kept| kept.entry.name).collect()
+    }
+}
+
 /// Fits all numbers of a model.
 #[must_use]
 pub fn fit_base(problem: &dyn Problem, model: &Model, scales: &Scales) -> Fit {

@@ -9,6 +9,11 @@ pub trait Problem: Sync {
     /// Pieces are consecutive stretches, long against the time over which residuals are correlated.
     fn residuals(&self, model: &Model) -> Vec<Vec<f64>>;
 
+    /// Errors of a model's numbers against what was known of them before, in the unit of the residuals; empty where nothing was.
+    fn prior(&self, _model: &Model) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Which fold each piece belongs to, 0, 1, …: pieces of one fold are left out together.
     fn folds(&self) -> &[usize];
 }

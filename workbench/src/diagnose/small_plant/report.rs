@@ -128,7 +128,7 @@ fn disagreement(case: &SmallCase, found: &SmallFinding, before: &Model, after: &
     let has_load = case.model.columns.load.is_some();
     let shown: Vec<_> = COORDINATES
         .iter()
-        .filter(|c| has_load || c.name != "load")
+        .filter(|c| (has_load || c.name != "load") && c.is_along(case.model.model.path))
         .collect();
     for pair in shown.chunks(2) {
         let panels = pair
@@ -166,7 +166,7 @@ fn unit(coordinate: &str, case: &SmallCase) -> &'static str {
         "acceleration" if turn => "[rad/s²]",
         "acceleration" => "[m/s²]",
         "phase_angle" => "[rad]",
-        "position" | "position_by_direction" if turn => "[rad]",
+        "position" | "position_by_direction" | "angle_within_a_turn" if turn => "[rad]",
         "position" | "position_by_direction" => "[m]",
         "time" => "[s]",
         _ => "[1]",
@@ -233,7 +233,7 @@ fn held_out(case: &SmallCase, before: &Model, after: &Model) -> String {
     let (old, new) = (held_out_course(case, before), held_out_course(case, after));
     let value = || match case.kind() {
         Kind::Pendulum => Axis::new("angle [rad]"),
-        Kind::Drive | Kind::Contact | Kind::Balance => force_axis(case, "force"),
+        Kind::Drive | Kind::Contact | Kind::Balance | Kind::Fmu => force_axis(case, "force"),
     };
     let end = old.time.last().copied().unwrap_or(0.0);
     let begin = old.time.first().copied().unwrap_or(0.0);

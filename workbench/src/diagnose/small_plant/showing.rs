@@ -38,6 +38,7 @@ pub struct Course {
 #[must_use]
 pub fn balance(case: &SmallCase) -> Balance {
     Balance::new(&case.records, &case.model.measurement, &case.scales)
+        .knowing(&case.model.model, case.known)
 }
 
 /// A model's numbers brought to their best on all that was learned from: a pendulum's on ever longer stretches up to one
@@ -72,7 +73,7 @@ pub fn final_intervals(case: &SmallCase, fitted: &Fit) -> Vec<(usize, usize, [f6
             let swing = Swing::whole(&case.records, &case.model.measurement, &case.scales);
             intervals(&swing, fitted, &case.scales)
         }
-        Kind::Drive | Kind::Contact | Kind::Balance => {
+        Kind::Drive | Kind::Contact | Kind::Balance | Kind::Fmu => {
             intervals(&balance(case), fitted, &case.scales)
         }
     }
@@ -123,7 +124,9 @@ fn learned_course(case: &SmallCase, model: &Model) -> Course {
                 measured,
             }
         }
-        Kind::Drive | Kind::Contact | Kind::Balance => balance_course(&balance(case), model),
+        Kind::Drive | Kind::Contact | Kind::Balance | Kind::Fmu => {
+            balance_course(&balance(case), model)
+        }
     }
 }
 

@@ -1,17 +1,19 @@
 //! Where a model leaves structure: a free function of one coordinate after the other, judged on what it was not fitted to.
 
-use super::balance::{Balance, Compared};
+use std::f64::consts::TAU;
+
+use super::balance::{Balance, Compared, MOST_FOLDS};
 use super::evidence::{gain, unit};
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
-use super::unit::Kind;
+use super::unit::{Kind, Path};
 use crate::diagnose::finding::Located;
 
 /// Values of the free function over a coordinate, at quantiles.
 const BINS: usize = 16;
-/// Parts that are left out in turn.
-const FOLDS: usize = 8;
+/// The same over the angle within a turn, where teeth, poles and rollers repeat many times.
+const BINS_OF_A_TURN: usize = 64;
 
 /// A coordinate over which residuals can be structured.
 pub struct Coordinate {
@@ -21,6 +23,16 @@ pub struct Coordinate {
     pub label: &'static str,
     /// Its value at a moment.
     pub of: fn(&Compared, &Scales) -> f64,
+    /// Values of the free function over it.
+    bins: usize,
+}
+
+impl Coordinate {
+    /// Whether a motion along such a path has it.
+    #[must_use]
+    pub fn is_along(&self, path: Path) -> bool {
+        self.bins == BINS || path == Path::Turn
+    }
 }
 
 /// The coordinates that are looked at.
@@ -29,51 +41,67 @@ pub const COORDINATES: &[Coordinate] = &[
         name: "velocity",
         label: "velocity",
         of: |c, _| c.sample.velocity,
+        bins: BINS,
     },
     Coordinate {
         name: "acceleration",
         label: "acceleration",
         of: |c, _| c.sample.acceleration,
+        bins: BINS,
     },
     Coordinate {
         name: "phase_angle",
         label: "angle of the plane of velocity and acceleration",
         of: phase_angle,
+        bins: BINS,
     },
     Coordinate {
         name: "position",
         label: "position",
         of: |c, _| c.sample.position,
+        bins: BINS,
     },
     Coordinate {
         name: "position_by_direction",
         label: "position times direction of motion",
         of: |c, _| c.sample.position * c.sample.direction,
+        bins: BINS,
+    },
+    Coordinate {
+        name: "angle_within_a_turn",
+        label: "angle within a turn",
+        of: |c, _| c.sample.position.rem_euclid(TAU),
+        bins: BINS_OF_A_TURN,
     },
     Coordinate {
         name: "time",
         label: "time",
         of: |c, _| c.sample.time,
+        bins: BINS,
     },
     Coordinate {
         name: "time_by_direction",
         label: "time times direction of motion",
         of: |c, _| c.sample.time * c.sample.direction,
+        bins: BINS,
     },
     Coordinate {
         name: "load",
         label: "load over its mean",
         of: |c, _| c.sample.load,
+        bins: BINS,
     },
     Coordinate {
         name: "predicted_force",
         label: "predicted force",
         of: |c, _| c.sample.predicted,
+        bins: BINS,
     },
     Coordinate {
         name: "predicted_force_by_direction",
         label: "predicted force times direction of motion",
         of: |c, _| c.sample.predicted * c.sample.direction,
+        bins: BINS,
     },
 ];
 
@@ -95,7 +123,7 @@ pub struct Left {
     pub located: Located,
     /// Share of the residuals' square, on what the function was not fitted to.
     pub share: f64,
-    /// Squared errors beside the function, piece by piece, on what it was not fitted to.
+    /// Squared errors beside the function, piece by piece, on what it was not fitted to; last those against what was known before.
     pub errors: Vec<f64>,
 }
 
@@ -110,29 +138,34 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left
         .iter()
         .enumerate()
         // Pieces that follow each other are in different folds: a function of time is not learned from other times.
-        .flat_map(|(piece, &length)| vec![(piece, piece % FOLDS); length])
+        .flat_map(|(piece, &length)| vec![(piece, piece % MOST_FOLDS); length])
         .collect();
     let before: Vec<f64> = residuals
         .iter()
         .map(|piece| piece.iter().map(|r| r * r).sum())
         .collect();
     let total: f64 = before.iter().sum();
+    let known = [balance.prior(model).iter().map(|r| r * r).sum::<f64>()];
     let equation = match model.kind {
         Kind::Drive => "drive",
         Kind::Pendulum => "swing",
         Kind::Contact => "contact",
         Kind::Balance => "balance",
+        Kind::Fmu => "port",
     };
     let mut all: Vec<Left> = COORDINATES
         .iter()
+        .filter(|own| own.is_along(model.path))
         .filter_map(|coordinate| {
             let values: Vec<f64> = compared
                 .iter()
                 .map(|c| (coordinate.of)(c, scales))
                 .collect();
-            let bins = bins(&values)?;
-            let after = left_out(&compared, &bins, &fold_of, before.len());
+            let bins = bins(&values, coordinate.bins)?;
+            let mut after = left_out(&compared, &bins, &fold_of, before.len());
             let gain = gain(&before, &after, unit, COORDINATES.len());
+            let share = 1.0 - after.iter().sum::<f64>() / total;
+            after.extend(&known);
             Some(Left {
                 located: Located {
                     coordinate: coordinate.name.to_owned(),
@@ -143,7 +176,7 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left
                     significance: Some(gain.significance()),
                     significant: gain.sure > 0.0,
                 },
-                share: 1.0 - after.iter().sum::<f64>() / total,
+                share,
                 errors: after,
             })
         })
@@ -153,13 +186,15 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left
 }
 
 /// Bin of each value, bins between quantiles; none where the coordinate does not change.
-fn bins(values: &[f64]) -> Option<Vec<usize>> {
+fn bins(values: &[f64], count: usize) -> Option<Vec<usize>> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     if sorted.first() == sorted.last() {
         return None;
     }
-    let limits: Vec<f64> = (1..BINS).map(|j| sorted[j * sorted.len() / BINS]).collect();
+    let limits: Vec<f64> = (1..count)
+        .map(|j| sorted[j * sorted.len() / count])
+        .collect();
     Some(
         values
             .iter()
@@ -176,7 +211,8 @@ fn left_out(
     pieces: usize,
 ) -> Vec<f64> {
     let folds = fold_of.iter().map(|(_, fold)| fold + 1).max().unwrap_or(0);
-    let mut sums = vec![[(0.0, 0_usize); BINS]; folds];
+    let count = bins.iter().max().map_or(0, |last| last + 1);
+    let mut sums = vec![vec![(0.0, 0_usize); count]; folds];
     for ((moment, &bin), &(_, fold)) in compared.iter().zip(bins).zip(fold_of) {
         sums[fold][bin].0 += moment.measured - moment.model;
         sums[fold][bin].1 += 1;
@@ -192,7 +228,7 @@ fn left_out(
         if count == 0 { 0.0 } else { sum / count as f64 }
     };
     let means: Vec<Vec<f64>> = (0..folds)
-        .map(|fold| (0..BINS).map(|bin| mean(fold, bin)).collect())
+        .map(|fold| (0..count).map(|bin| mean(fold, bin)).collect())
         .collect();
     let mut errors = vec![0.0; pieces];
     for ((moment, &bin), &(piece, fold)) in compared.iter().zip(bins).zip(fold_of) {

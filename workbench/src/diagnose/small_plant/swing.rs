@@ -259,6 +259,6 @@ fn acceleration(model: &Model, state: [f64; 2], time: f64, direction: f64) -> f6
         acceleration: 0.0,
         direction,
         load: 1.0,
-        predicted: 0.0,
+        ..Sample::default()
     })
 }

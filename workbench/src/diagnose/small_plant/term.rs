@@ -3,7 +3,7 @@
 use super::unit::{Dimension, Kind, Path};
 
 /// One moment of a record.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sample {
     /// Time since the record's start [s].
     pub time: f64,
@@ -19,7 +19,14 @@ pub struct Sample {
     pub load: f64,
     /// Force that somebody's own model predicts [N or N m]; 0 where there is none.
     pub predicted: f64,
+    /// By how much an FMU's missing force falls as each of its uncertain parameters grows [N or N m over the parameter's unit].
+    pub slopes: [f64; MOST_PARAMETERS],
+    /// The same times the parameters' values at which the force was found, summed [N or N m].
+    pub nominal: f64,
 }
+
+/// Most uncertain parameters of an FMU.
+pub const MOST_PARAMETERS: usize = 8;
 
 /// Where a number may lie.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -13,6 +13,8 @@ pub enum Kind {
     Contact,
     /// A force or torque that is measured beside the one that somebody's own model predicts.
     Balance,
+    /// Anybody's FMU: the force that it lacks to move as was measured.
+    Fmu,
 }
 
 /// Along what it moves.
@@ -26,7 +28,13 @@ pub enum Path {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 4] = [Self::Drive, Self::Pendulum, Self::Contact, Self::Balance];
+    pub const ALL: [Self; 5] = [
+        Self::Drive,
+        Self::Pendulum,
+        Self::Contact,
+        Self::Balance,
+        Self::Fmu,
+    ];
 
     /// The kind as written in a model file.
     #[must_use]
@@ -36,6 +44,7 @@ impl Kind {
             Self::Pendulum => "pendulum",
             Self::Contact => "contact",
             Self::Balance => "balance",
+            Self::Fmu => "fmu",
         }
     }
 }
@@ -52,7 +61,7 @@ impl Path {
 }
 
 /// What a parameter measures, from which its unit and its usual size follow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Dimension {
     /// Mass or moment of inertia.
     Inertia,
@@ -78,6 +87,13 @@ pub enum Dimension {
     Angle,
     /// Ratio.
     Ratio,
+    /// That of an FMU's parameter.
+    Own {
+        /// Its unit as the FMU gives it.
+        unit: &'static str,
+        /// Its usual size in that unit.
+        size: f64,
+    },
 }
 
 impl Dimension {
@@ -112,6 +128,7 @@ impl Dimension {
             Self::PerMinute => "1/min",
             Self::Angle => "rad",
             Self::Ratio => "1",
+            Self::Own { unit, .. } => unit,
         }
     }
 
@@ -138,6 +155,7 @@ impl Dimension {
             Self::Delay => 0.1 * speed / acceleration,
             Self::PerMinute => 60.0 / duration,
             Self::Angle | Self::Ratio => 1.0,
+            Self::Own { size, .. } => size,
         }
     }
 }

@@ -1,0 +1,369 @@
+//! An FMU in pursuit of a record: a controller at its port pushes it along the measured motion.
+//!
+//! The controller is proportional and derivative, tuned to the inertia that the port shows at short times. What it adds in one pass
+//! the next pass has from the start, so that its own lag shrinks as (1 − T)ⁿ, where T is the closed loop and n the number of passes.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use super::ports::Between;
+use crate::component::{Component, ComponentError};
+use crate::diagnose::small_plant::filter::LowPass;
+
+/// Bandwidth of the controller over the cut-off below which its force is looked at: there |1 − T| is 1/9 after one pass.
+const BANDWIDTH: f64 = 3.0;
+/// Passes over a record: |1 − T| falls to 1/729.
+const PASSES: usize = 3;
+/// Most of the controller's angle 2π·bandwidth·step that one step may cover.
+const STEP: f64 = 0.2;
+/// Damping of the closed loop.
+const DAMPING: f64 = 1.0;
+/// First push that tells the port's inertia [N, N m], factor from one to the next, and most of them: up to 10³⁶.
+const GENTLE: f64 = 1e-18;
+const HARDER: f64 = 8.0;
+const PUSHES: usize = 60;
+
+/// What an FMU is run after.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Pursued {
+    /// Variables set before the run, with their values in the FMU's units.
+    pub settings: Vec<(usize, f64)>,
+    /// The input at which the missing force acts, and what one unit of its own is in N or N m.
+    pub port: (usize, f64),
+    /// Output of position and what one of its unit is in m or rad.
+    pub position: Option<(usize, f64)>,
+    /// Output of velocity and what one of its unit is in m/s or rad/s.
+    pub velocity: Option<(usize, f64)>,
+    /// Inputs with their values at the samples, in the FMU's units.
+    pub inputs: Vec<Driven>,
+    /// Time of the first sample [s].
+    pub begin: f64,
+    /// Time between samples [s].
+    pub interval: f64,
+    /// Measured position [m or rad].
+    pub measured_position: Vec<f64>,
+    /// Measured velocity [m/s or rad/s].
+    pub measured_velocity: Vec<f64>,
+    /// Whether the position was measured, so that the FMU's is to be the same; else it may differ by a constant.
+    pub is_absolute: bool,
+    /// Frequency below which the force is looked at [Hz].
+    pub cut_off: f64,
+}
+
+/// An input over time.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Driven {
+    /// The input.
+    pub variable: usize,
+    /// Its values at the samples.
+    pub values: Vec<f64>,
+    /// What it does between them.
+    pub between: Between,
+}
+
+/// What a pursuit came to.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Pursuit {
+    /// Force that moves the FMU as was measured, at each sample [N or N m].
+    pub force: Vec<f64>,
+    /// The FMU's position then [m or rad]; where no position was measured, it begins where that does.
+    pub position: Vec<f64>,
+    /// Its velocity [m/s or rad/s].
+    pub velocity: Vec<f64>,
+    /// Its acceleration [m/s² or rad/s²].
+    pub acceleration: Vec<f64>,
+    /// Inertia that the port shows [kg or kg m²]; negative where a positive force moves the FMU backward.
+    pub inertia: f64,
+}
+
+/// Why a pursuit failed.
+#[derive(Debug, thiserror::Error)]
+pub enum PursuitError {
+    /// The FMU failed.
+    #[error(transparent)]
+    Component(#[from] ComponentError),
+    /// The port moves nothing.
+    #[error(
+        "no force at the port moves its coordinate: up to {most:e} was tried; name the input that acts where the output is"
+    )]
+    NothingMoves {
+        /// The largest force that was tried.
+        most: f64,
+    },
+    /// The FMU gives something that is no number.
+    #[error("the FMU's outputs at the port are not finite at t = {time} s")]
+    NotFinite {
+        /// When.
+        time: f64,
+    },
+}
+
+/// Runs `component` after a record; `tell` hears of the time that was reached.
+///
+/// # Errors
+/// [`PursuitError`].
+pub fn pursue(
+    component: &mut dyn Component,
+    pursued: &Pursued,
+    tell: &mut dyn FnMut(f64),
+) -> Result<Pursuit, PursuitError> {
+    let mut chase = Chase::new(component, pursued);
+    let inertia = chase.inertia(tell)?;
+    let mut course = chase.pass(inertia, &vec![0.0; chase.steps()], tell)?;
+    let smooth = LowPass::new(BANDWIDTH * pursued.cut_off, 4, chase.step);
+    for _ in 1..PASSES {
+        let ahead = smooth.apply(&course.force);
+        course = chase.pass(inertia, &ahead, tell)?;
+    }
+    Ok(course.sampled(inertia, chase.substeps, chase.step))
+}
+
+/// Force and motion in steps of the controller.
+struct Course {
+    /// Force over each step.
+    force: Vec<f64>,
+    /// Motion at the ends of the steps.
+    motion: Vec<Moved>,
+}
+
+impl Course {
+    /// Means over the steps half a sample before and after each sample.
+    fn sampled(&self, inertia: f64, substeps: usize, step: f64) -> Pursuit {
+        let half = substeps.div_ceil(2);
+        let spans: Vec<(usize, usize)> = (0..=self.force.len())
+            .step_by(substeps)
+            .map(|at| (at.saturating_sub(half), (at + half).min(self.force.len())))
+            .collect();
+        let mean = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            let over =
+                |&(from, to): &(usize, usize)| (from..to).map(of).sum::<f64>() / (to - from) as f64;
+            spans.iter().map(over).collect()
+        };
+        let middle = |of: fn(&Moved) -> f64, at: usize| {
+            0.5 * (of(&self.motion[at]) + of(&self.motion[at + 1]))
+        };
+        let gained = |at: usize| (self.motion[at + 1].velocity - self.motion[at].velocity) / step;
+        Pursuit {
+            force: mean(&|at| self.force[at]),
+            position: mean(&|at| middle(|own| own.position, at)),
+            velocity: mean(&|at| middle(|own| own.velocity, at)),
+            acceleration: mean(&gained),
+            inertia,
+        }
+    }
+}
+
+/// Motion at a part of the way between two samples, on the cubic that has their positions and velocities (Hermite's). A straight line
+/// would cut the corners, and the controller would push the FMU along the cut.
+fn between(position: [f64; 2], velocity: [f64; 2], interval: f64, part: f64) -> Moved {
+    let [from, to] = position;
+    let [leaving, arriving] = velocity.map(|own| own * interval);
+    let bend = 3.0 * (to - from) - 2.0 * leaving - arriving;
+    let twist = leaving + arriving - 2.0 * (to - from);
+    Moved {
+        position: from + part * (leaving + part * (bend + part * twist)),
+        velocity: (leaving + part * (2.0 * bend + part * 3.0 * twist)) / interval,
+    }
+}
+
+/// A controller and what it controls.
+struct Chase<'a> {
+    component: &'a mut dyn Component,
+    pursued: &'a Pursued,
+    outputs: Vec<usize>,
+    /// Angular frequency of the closed loop [rad/s].
+    bandwidth: f64,
+    substeps: usize,
+    step: f64,
+    is_begun: bool,
+}
+
+/// The FMU's motion at one time.
+#[derive(Clone, Copy)]
+struct Moved {
+    position: f64,
+    velocity: f64,
+}
+
+impl<'a> Chase<'a> {
+    fn new(component: &'a mut dyn Component, pursued: &'a Pursued) -> Self {
+        let bandwidth = TAU * BANDWIDTH * pursued.cut_off;
+        let substeps = (pursued.interval * bandwidth / STEP).ceil().max(1.0) as usize;
+        let outputs = [pursued.position, pursued.velocity];
+        Self {
+            component,
+            pursued,
+            outputs: outputs.iter().flatten().map(|(at, _)| *at).collect(),
+            bandwidth,
+            substeps,
+            step: pursued.interval / substeps as f64,
+            is_begun: false,
+        }
+    }
+
+    fn steps(&self) -> usize {
+        self.pursued.measured_position.len().saturating_sub(1) * self.substeps
+    }
+
+    fn time(&self, step: usize) -> f64 {
+        self.pursued.begin + step as f64 * self.step
+    }
+
+    /// Puts the FMU at the start of the record.
+    fn begin(&mut self) -> Result<(), ComponentError> {
+        if self.is_begun {
+            self.component.reset()?;
+        }
+        self.is_begun = true;
+        self.component.set(&self.pursued.settings)?;
+        self.set_inputs(0, 0.0)?;
+        self.component
+            .initialise(self.time(0), self.time(self.steps()))
+    }
+
+    /// Sets the recorded inputs over a step, and the force.
+    fn set_inputs(&mut self, step: usize, force: f64) -> Result<(), ComponentError> {
+        let (sample, part) = (step / self.substeps, step % self.substeps);
+        // In the middle of the step a straight line has its mean over it.
+        let part = (part as f64 + 0.5) / self.substeps as f64;
+        let (port, unit) = self.pursued.port;
+        let mut values = vec![(port, force / unit)];
+        for input in &self.pursued.inputs {
+            let from = input.values[sample];
+            let to = input.values[(sample + 1).min(input.values.len() - 1)];
+            values.push((
+                input.variable,
+                match input.between {
+                    Between::Held => from,
+                    Between::Linear => from + part * (to - from),
+                },
+            ));
+        }
+        self.component.set(&values)
+    }
+
+    fn step(&mut self, step: usize) -> Result<(), ComponentError> {
+        let (from, to) = (self.time(step), self.time(step + 1));
+        self.component.step(from, to)
+    }
+
+    /// The motion after `step` steps, given that one step earlier.
+    fn moved(&mut self, step: usize, before: Option<Moved>) -> Result<Moved, PursuitError> {
+        let mut values = vec![0.0; self.outputs.len()];
+        self.component.get(&self.outputs, &mut values)?;
+        let time = self.time(step);
+        if values.iter().any(|value| !value.is_finite()) {
+            return Err(PursuitError::NotFinite { time });
+        }
+        let mut values = values.into_iter();
+        let mut read = |output: Option<(usize, f64)>| Some(output?.1 * values.next()?);
+        let position = read(self.pursued.position);
+        let velocity = read(self.pursued.velocity);
+        Ok(match (position, velocity, before) {
+            (Some(position), Some(velocity), _) => Moved { position, velocity },
+            (Some(position), None, Some(before)) => Moved {
+                position,
+                velocity: (position - before.position) / self.step,
+            },
+            (Some(position), None, None) => Moved {
+                position,
+                velocity: self.pursued.measured_velocity[0],
+            },
+            (None, velocity, before) => {
+                let velocity = velocity.unwrap_or(0.0);
+                let position = before.map_or(0.0, |before| {
+                    before.position + 0.5 * self.step * (before.velocity + velocity)
+                });
+                Moved { position, velocity }
+            }
+        })
+    }
+
+    /// Inertia that the port shows at the first instant [kg or kg m²]; negative where it pushes backward.
+    fn inertia(&mut self, tell: &mut dyn FnMut(f64)) -> Result<f64, PursuitError> {
+        let speeds = &self.pursued.measured_velocity;
+        let speed = (speeds.iter().map(|v| v * v).sum::<f64>() / speeds.len() as f64).sqrt();
+        let still = self.pushed(0.0)?;
+        let mut before = (0.0, 0.0);
+        // From far below any plant's forces to far beyond: the first that outruns the record's motion is hard enough.
+        let mut force = GENTLE;
+        for _ in 0..PUSHES {
+            tell(self.time(0));
+            let gained = self.pushed(force)? - still;
+            if gained.abs() > speed * self.bandwidth {
+                let (weaker, less) = before;
+                return Ok((force - weaker) / (gained - less));
+            }
+            before = (force, gained);
+            force *= HARDER;
+        }
+        Err(PursuitError::NothingMoves { most: force })
+    }
+
+    /// Acceleration at the first instant under a constant force, from the velocities after one step and after two: what grows with the
+    /// velocity cancels.
+    fn pushed(&mut self, force: f64) -> Result<f64, PursuitError> {
+        self.begin()?;
+        let mut course = vec![self.moved(0, None)?];
+        for step in 0..2 {
+            self.set_inputs(step, force)?;
+            self.step(step)?;
+            course.push(self.moved(step + 1, course.last().copied())?);
+        }
+        let gained = |at: usize| course[at].velocity - course[0].velocity;
+        Ok((4.0 * gained(1) - gained(2)) / (2.0 * self.step))
+    }
+
+    /// One pass over the record.
+    fn pass(
+        &mut self,
+        inertia: f64,
+        ahead: &[f64],
+        tell: &mut dyn FnMut(f64),
+    ) -> Result<Course, PursuitError> {
+        self.begin()?;
+        let Pursued {
+            measured_position,
+            measured_velocity,
+            is_absolute,
+            ..
+        } = self.pursued;
+        let mut moved = self.moved(0, None)?;
+        let away = if *is_absolute && self.pursued.position.is_some() {
+            0.0
+        } else {
+            moved.position - measured_position[0]
+        };
+        let stiffness = inertia * self.bandwidth * self.bandwidth;
+        let drag = inertia * 2.0 * DAMPING * self.bandwidth;
+        let mut course = Course {
+            force: Vec::with_capacity(self.steps()),
+            motion: vec![moved],
+        };
+        for (step, ahead) in ahead.iter().enumerate() {
+            let (sample, part) = (step / self.substeps, step % self.substeps);
+            let part = part as f64 / self.substeps as f64;
+            let ends = |series: &[f64]| [series[sample], series[sample + 1]];
+            let wanted = between(
+                ends(measured_position),
+                ends(measured_velocity),
+                self.pursued.interval,
+                part,
+            );
+            let force = ahead
+                + stiffness * (wanted.position + away - moved.position)
+                + drag * (wanted.velocity - moved.velocity);
+            self.set_inputs(step, force)?;
+            self.step(step)?;
+            moved = self.moved(step + 1, Some(moved))?;
+            course.force.push(force);
+            course.motion.push(moved);
+            tell(self.time(step + 1));
+        }
+        for own in &mut course.motion {
+            own.position -= away;
+        }
+        Ok(course)
+    }
+}
