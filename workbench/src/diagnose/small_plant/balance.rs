@@ -39,6 +39,8 @@ struct Prepared {
     kept: Vec<usize>,
     /// Measured force, filtered and thinned.
     measured: Vec<f64>,
+    /// Every moment as it was read: what most models are asked about.
+    read: Vec<Sample>,
 }
 
 /// One compared moment: what was measured, what the model says, and when and where that was.
@@ -72,8 +74,12 @@ impl Balance {
                     edge: (measurement.edge / motion.interval).round() as usize,
                     kept: Vec::new(),
                     measured: Vec::new(),
+                    read: Vec::new(),
                 };
                 prepared.kept = prepared.moving();
+                prepared.read = (0..motion.len())
+                    .map(|at| prepared.sample(at, 0.0))
+                    .collect();
                 prepared.measured = prepared.thinned(&motion.force);
                 prepared
             })
@@ -242,7 +248,11 @@ impl Prepared {
         let encoder = model.eccentricity();
         let force: Vec<f64> = (0..self.motion.len())
             .map(|at| {
-                let read = self.sample(at, shift);
+                let read = if shift == 0.0 {
+                    self.read[at]
+                } else {
+                    self.sample(at, shift)
+                };
                 let sample = encoder.map_or(read, |encoder| encoder.motion(&read));
                 model.force(&sample) + inertia * sample.acceleration + delayed(at)
             })

@@ -117,8 +117,11 @@ pub fn run(fmu: &Path, pursued: Pursued, record: &str) -> Result<Pursuit, Worker
     match answer.and_then(|text| serde_json::from_str(&text).ok()) {
         Some(Answer::Done(pursuit)) => Ok(pursuit),
         Some(Answer::Failed(what)) => Err(WorkerError::Failed {
+            what: format!(
+                "{}, in {record}",
+                what.trim_start_matches(&format!("{name}: "))
+            ),
             fmu: name,
-            what: format!("{what}, in {record}"),
         }),
         None => Err(WorkerError::Crashed {
             fmu: name,
