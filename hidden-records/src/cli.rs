@@ -2,6 +2,8 @@
 
 use anyhow::{Context, ensure};
 use clap::{Parser, Subcommand, ValueEnum};
+use hidden_records::axis::AxisCase;
+use hidden_records::axis_fmu;
 use hidden_records::balance::BalanceCase;
 use hidden_records::case_files::{Case, make_cases};
 use hidden_records::excitation::Brake;
@@ -85,6 +87,10 @@ struct MakeArguments {
     #[arg(long, conflicts_with_all = ["suite", "other_rigs", "full_rig", "own_sizes", "pairs", "triples", "outside", "clean", "rough", "size",
         "share_laws", "load_reference", "sensors", "instruments_unknown", "noise"])]
     balance: bool,
+    /// Axes of which an FMU is the model, with that FMU beside the cases; rustc compiles it.
+    #[arg(long, conflicts_with_all = ["balance", "suite", "other_rigs", "full_rig", "own_sizes", "pairs", "triples", "outside", "clean",
+        "rough", "size", "share_laws", "load_reference", "sensors", "instruments_unknown", "noise"])]
+    fmu: bool,
     /// Normal force in N at which a load exponent changes nothing, or `middle` for the middle load
     /// of the case.
     #[arg(long, default_value = "50", value_parser = parse_load_reference)]
@@ -160,6 +166,14 @@ fn make(arguments: &MakeArguments) -> anyhow::Result<()> {
             arguments,
             &BalanceCase::plan(seed, cases, arguments.kind.as_deref())?,
         )
+    } else if arguments.fmu {
+        let seed = arguments.seed.context("--seed is missing")?;
+        let cases = arguments.cases.context("--cases is missing")?;
+        make_all(
+            arguments,
+            &AxisCase::plan(seed, cases, arguments.kind.as_deref())?,
+        )?;
+        Ok(axis_fmu::write(&arguments.out)?)
     } else if arguments.other_rigs || arguments.full_rig || arguments.own_sizes {
         make_all(arguments, &plan_other_rigs(arguments)?)
     } else {

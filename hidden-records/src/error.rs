@@ -27,6 +27,9 @@ pub enum MakerError {
         /// Last seed asked for.
         last: u64,
     },
+    /// The FMU could not be made.
+    #[error("the FMU of the axes cannot be made: {0}")]
+    Fmu(String),
     /// A number is outside what the maker can do.
     #[error("{name} = {value}: must be {expected}")]
     OutOfRange {

@@ -5,6 +5,8 @@
 //! crate imports the product and nothing in the product imports this crate.
 
 pub mod answers;
+pub mod axis;
+pub mod axis_fmu;
 pub mod balance;
 pub mod bristle;
 pub mod case_files;

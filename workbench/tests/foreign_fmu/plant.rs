@@ -67,7 +67,7 @@ fn library() -> &'static [u8] {
     LIBRARY.get_or_init(|| {
         let directory = tempfile::tempdir().unwrap();
         let file = directory.path().join("axis.library");
-        let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/foreign_fmu/axis.rs");
+        let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../hidden-records/fmu/axis.rs");
         let compiler = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
         let done = Command::new(compiler)
             .args(["--edition", "2024", "--crate-type", "cdylib", "-O", source, "-o"])

@@ -54,7 +54,7 @@ impl Gain {
 }
 
 /// Gain from errors `before` to errors `after`, where `unit` is the squared error that makes one unit of 2 ln likelihood
-/// and `looks` candidates were looked at.
+/// and `looks` candidates were looked at. The last errors are those against what was known before, which no chance has a part in.
 #[must_use]
 pub fn gain(before: &[f64], after: &[f64], unit: f64, looks: usize) -> Gain {
     let differences: Vec<f64> = before
@@ -62,10 +62,20 @@ pub fn gain(before: &[f64], after: &[f64], unit: f64, looks: usize) -> Gain {
         .zip(after)
         .map(|(b, a)| (b - a) / (2.0 * unit))
         .collect();
+    let Some((known, differences)) = differences.split_last() else {
+        return Gain {
+            value: 0.0,
+            interval95: [0.0; 2],
+            sure: 0.0,
+        };
+    };
     let count = differences.len();
     let mut random = Random::new(20_160_912);
     let mut sums: Vec<f64> = (0..RESAMPLINGS)
-        .map(|_| (0..count).map(|_| differences[random.index(count)]).sum())
+        .map(|_| {
+            let drawn = (0..count).map(|_| differences[random.index(count)]);
+            drawn.sum::<f64>() + known
+        })
         .collect();
     sums.sort_by(f64::total_cmp);
     let quantile = |share: f64| {
@@ -73,7 +83,7 @@ pub fn gain(before: &[f64], after: &[f64], unit: f64, looks: usize) -> Gain {
         sums.get(at.min(RESAMPLINGS - 1)).copied().unwrap_or(0.0)
     };
     Gain {
-        value: differences.iter().sum(),
+        value: differences.iter().sum::<f64>() + known,
         interval95: [quantile(0.025), quantile(0.975)],
         sure: quantile(0.05 / looks.max(1) as f64),
     }

@@ -140,12 +140,14 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left
         // Pieces that follow each other are in different folds: a function of time is not learned from other times.
         .flat_map(|(piece, &length)| vec![(piece, piece % MOST_FOLDS); length])
         .collect();
-    let before: Vec<f64> = residuals
+    let mut before: Vec<f64> = residuals
         .iter()
         .map(|piece| piece.iter().map(|r| r * r).sum())
         .collect();
     let total: f64 = before.iter().sum();
+    let pieces = before.len();
     let known = [balance.prior(model).iter().map(|r| r * r).sum::<f64>()];
+    before.extend(&known);
     let equation = match model.kind {
         Kind::Drive => "drive",
         Kind::Pendulum => "swing",
@@ -162,7 +164,7 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left
                 .map(|c| (coordinate.of)(c, scales))
                 .collect();
             let bins = bins(&values, coordinate.bins)?;
-            let mut after = left_out(&compared, &bins, &fold_of, before.len());
+            let mut after = left_out(&compared, &bins, &fold_of, pieces);
             let gain = gain(&before, &after, unit, COORDINATES.len());
             let share = 1.0 - after.iter().sum::<f64>() / total;
             after.extend(&known);

@@ -66,8 +66,8 @@ impl Chased {
         progress: &mut dyn FnMut(&str),
     ) -> Result<Vec<Motion>, MissingError> {
         let deviations: Vec<f64> = self.plant.deviations().collect();
-        // As it is, with each parameter one deviation larger, and with the motion read a sample later.
-        let count = deviations.len() + 2;
+        // As it is, with each parameter one deviation larger, and with the motion read a sample later and a sample earlier.
+        let count = deviations.len() + 3;
         progress(&format!(
             "{} runs of {} after the records",
             count * self.records.len(),
@@ -84,8 +84,10 @@ impl Chased {
                 let (record, variation) = (&self.records[at / count], at % count);
                 let mut values = parameters.to_vec();
                 let mut delay = delay;
-                if variation > deviations.len() {
+                if variation == deviations.len() + 1 {
                     delay += record.motion.interval;
+                } else if variation > deviations.len() {
+                    delay -= record.motion.interval;
                 } else if variation > 0 {
                     values[variation - 1] += deviations[variation - 1];
                 }
@@ -145,7 +147,7 @@ impl Chased {
     }
 }
 
-/// The motion that a record's pursuits found: as it is, with each parameter larger, and with the motion read later.
+/// The motion that a record's pursuits found: as it is, with each parameter larger, with the motion read later and earlier.
 fn moved(
     measured: &Motion,
     found: &[Pursuit],
@@ -153,15 +155,17 @@ fn moved(
     deviations: &[f64],
 ) -> Motion {
     let mut motion = measured.clone();
-    let [own, varied @ .., later] = found else {
+    let [own, varied @ .., later, earlier] = found else {
         return motion;
     };
-    let slope = |moved: &Pursuit, size: f64| -> Vec<f64> {
-        let pairs = own.force.iter().zip(&moved.force);
-        pairs.map(|(force, moved)| (force - moved) / size).collect()
+    let slope = |from: &Pursuit, to: &Pursuit, size: f64| -> Vec<f64> {
+        let pairs = from.force.iter().zip(&to.force);
+        pairs.map(|(from, to)| (from - to) / size).collect()
     };
     let sized = || varied.iter().zip(deviations);
-    let slopes: Vec<Vec<f64>> = sized().map(|(moved, size)| slope(moved, *size)).collect();
+    let slopes: Vec<Vec<f64>> = sized()
+        .map(|(moved, size)| slope(own, moved, *size))
+        .collect();
     let grown = |(moved, size): (&Pursuit, &f64)| (moved.inertia - own.inertia) / size;
     let here = |at: usize| -> f64 {
         let pairs = parameters.iter().zip(&slopes);
@@ -173,7 +177,8 @@ fn moved(
         nominal: (0..motion.len()).map(here).collect(),
         inertia: own.inertia,
         inertia_slopes: sized().map(grown).collect(),
-        delayed: slope(later, motion.interval),
+        // To both sides: noise of a difference to one side goes against that of the force, and a little of it would pass for a delay.
+        delayed: slope(earlier, later, 2.0 * motion.interval),
         slopes,
         moves: Vec::new(),
     });

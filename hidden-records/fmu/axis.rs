@@ -1,6 +1,6 @@
-//! An axis as a foreign exporter would write it: FMI 2.0, co-simulation, a fixed inner step, no saved states.
+//! An axis as a foreign exporter would write it: FMI 2.0, co-simulation, a fixed inner step, no saved states. Compiled with rustc alone.
 //!
-//! J·w' = k·(voltage − k·w)/R − d·w − m·sin(phi) + torque − friction·sign(w). Compiled by the tests with rustc, without any crate.
+//! J·w' = k·(voltage − k·w)/R − d·w − m·sin(phi) + torque − friction·sign(w).
 //! `crash_at` and `nan_at` make it do what bad FMUs do.
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
@@ -19,8 +19,9 @@ impl Axis {
         let step = length / count;
         for _ in 0..count as usize {
             let [voltage, torque, phi, w, inertia, resistance, k, d, m, friction, ..] = self.values;
-            let drive = k * (voltage - k * w) / resistance - d * w - m * phi.sin() + torque;
-            let free = w + step * drive / inertia;
+            let drive = |phi: f64, w: f64| k * (voltage - k * w) / resistance - d * w - m * phi.sin() + torque;
+            let halfway = w + 0.5 * step * drive(phi, w) / inertia;
+            let free = w + step * drive(phi + 0.5 * step * w, halfway) / inertia;
             let braked = step * friction / inertia;
             let next = if free.abs() <= braked { 0.0 } else { free - braked.copysign(free) };
             self.values[2] += 0.5 * step * (w + next);
