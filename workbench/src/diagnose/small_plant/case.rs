@@ -124,7 +124,7 @@ pub fn load(
                 model.model.kind.word()
             )));
         };
-        ports.fmu = Some(std::path::absolute(fmu).unwrap_or_else(|_| fmu.clone()));
+        ports.fmu = std::path::absolute(fmu).ok();
     }
     for name in &material.without {
         check_effect(name)
@@ -144,6 +144,10 @@ pub fn load(
         }
         None => None,
     };
+    if let (Some(ports), Some(plant)) = (&mut model.ports, &plant) {
+        // The amended model stands in another directory.
+        ports.fmu = std::path::absolute(&plant.file).ok();
+    }
     let columns: Vec<&str> = plant.iter().flat_map(Plant::columns).collect();
     let mut all = Vec::new();
     for part in parts.iter().chain([held_out_part]) {

@@ -34,6 +34,8 @@ pub struct Plant {
     parameters: Vec<(usize, f64)>,
     /// Whether the position was measured, so that the FMU's is to be the same.
     is_absolute: bool,
+    /// Whether the velocity was measured, too or alone.
+    has_velocity: bool,
 }
 
 /// What is wrong with the ports of an FMU.
@@ -167,6 +169,7 @@ impl Plant {
             start,
             parameters,
             is_absolute: model.columns.position.is_some(),
+            has_velocity: model.columns.velocity.is_some(),
         })
     }
 
@@ -196,8 +199,13 @@ impl Plant {
             let pairs = series.iter().zip(slope);
             pairs.map(|(value, slope)| value + delay * slope).collect()
         };
-        let position = read(&motion.position, &motion.velocity);
-        let velocity = read(&motion.velocity, &motion.acceleration);
+        let velocity = if self.has_velocity {
+            motion.velocity.clone()
+        } else {
+            slopes(&motion.position, motion.interval)
+        };
+        let position = read(&motion.position, &velocity);
+        let velocity = read(&velocity, &slopes(&velocity, motion.interval));
         let own = self.parameters.iter().zip(parameters);
         let mut settings: Vec<(usize, f64)> = own.map(|((at, _), value)| (*at, *value)).collect();
         settings.extend(self.start.iter().map(|(variable, coordinate, unit)| {
@@ -227,6 +235,25 @@ impl Plant {
             cut_off,
         }
     }
+}
+
+/// Slopes of a smooth series over even times, with an error of the fourth order inside it: a velocity that falls short of the
+/// position's slope would hold the FMU back in every pass.
+fn slopes(series: &[f64], interval: f64) -> Vec<f64> {
+    let last = series.len().saturating_sub(1);
+    let over = |at: usize, wide: usize| -> f64 {
+        let (low, high) = (at.saturating_sub(wide), (at + wide).min(last));
+        (series[high] - series[low]) / ((high - low).max(1) as f64 * interval)
+    };
+    (0..series.len())
+        .map(|at| {
+            if at < 2 || at + 2 > last {
+                over(at, 1)
+            } else {
+                (4.0 * over(at, 1) - over(at, 2)) / 3.0
+            }
+        })
+        .collect()
 }
 
 impl Finder<'_> {
