@@ -50,7 +50,7 @@ pub enum WorkerError {
         what: String,
     },
     /// The process ended without an answer.
-    #[error("{fmu}: crashed ({status}) at t = {time} s of {record}{output}")]
+    #[error("{fmu}: crashed ({status}) after t = {time} s of {record}{output}")]
     Crashed {
         /// The FMU.
         fmu: String,
@@ -64,7 +64,7 @@ pub enum WorkerError {
         output: String,
     },
     /// Nothing happened for long.
-    #[error("{fmu}: hangs at t = {time} s of {record}: no step came to its end for {} s", SILENCE.as_secs())]
+    #[error("{fmu}: hangs after t = {time} s of {record}: no step came to its end for {} s", SILENCE.as_secs())]
     Hangs {
         /// The FMU.
         fmu: String,
