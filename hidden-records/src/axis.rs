@@ -11,6 +11,7 @@ use crate::answers::Answer;
 use crate::axis_fmu::FILE;
 use crate::case_files::{Case, MadeCase};
 use crate::error::MakerError;
+use crate::kinds::in_turn;
 use crate::random::{Purpose, Stream};
 
 /// What can be hidden: names of effects on FMUs, `outside_…` where those have none.
@@ -57,19 +58,9 @@ impl AxisCase {
     /// # Errors
     /// No kind has this name.
     pub fn plan(seed: u64, cases: usize, kind: Option<&str>) -> Result<Vec<Self>, MakerError> {
-        let kinds: Vec<&'static str> = KINDS
-            .into_iter()
-            .filter(|own| kind.is_none_or(|kind| kind == *own))
-            .collect();
-        if kinds.is_empty() {
-            return Err(MakerError::NoKind(kind.unwrap_or_default().to_owned()));
-        }
-        Ok((0..cases)
-            .map(|at| Self {
-                name: format!("case-{at:04}"),
-                seed: seed + at as u64,
-                kind: kinds[at % kinds.len()],
-            })
+        let cases = in_turn(&KINDS, seed, cases, kind)?.into_iter();
+        Ok(cases
+            .map(|(name, seed, kind)| Self { name, seed, kind })
             .collect())
     }
 }

@@ -1,4 +1,7 @@
 //! The foreign FMU, and records of the axis that another solver made.
+//!
+//! The maker of blind cases packs the same source. No crate depends on the maker, so that nothing of it can leak into the diagnosis: what
+//! both do stands here again.
 
 use std::fmt::Write as _;
 use std::fs::{self, File};

@@ -19,7 +19,8 @@ const PASSES: usize = 3;
 const STEP: f64 = 0.2;
 /// Damping of the closed loop.
 const DAMPING: f64 = 1.0;
-/// First push that tells the port's inertia [N, N m], factor from one to the next, and most of them: up to 10³⁶.
+/// First push that tells the port's inertia [N, N m], factor from one to the next, and most of them: up to 10³⁶. Only where a search for
+/// a hard enough push begins and ends: nothing tells the size of the forces before one has moved the FMU.
 const GENTLE: f64 = 1e-18;
 const HARDER: f64 = 8.0;
 const PUSHES: usize = 60;
