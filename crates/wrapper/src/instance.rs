@@ -2,9 +2,8 @@
 
 use std::ffi::{CString, c_int};
 
-use operations::Settings;
+use operations::{AddedEffect, Coupling, Moment, Settings, value};
 
-use crate::coupling::{Coupling, Motion};
 use crate::original::{ERROR, Handle, Original, Stepped, is_good};
 
 /// Most times that a step is taken again, and the change of the force over the largest so far at which it is not.
@@ -41,9 +40,7 @@ const NUMBERS: usize = 9;
 
 impl Own {
     fn new(settings: &Settings) -> Self {
-        let starts = |effect: &operations::AddedEffect| {
-            effect.parameters.iter().map(|own| own.start).collect()
-        };
+        let starts = |effect: &AddedEffect| effect.parameters.iter().map(|own| own.start).collect();
         Self {
             parameters: settings.effects.iter().map(starts).collect(),
             coupling_step: settings.coupling_step.start,
@@ -463,18 +460,19 @@ impl Instance {
 
     /// The effects' force over a step from this position and velocity.
     fn force(&mut self, from: f64, length: f64, (position, velocity): (f64, f64)) -> f64 {
-        let motion = Motion {
+        let moment = Moment {
             time: from - self.own.start,
             position,
             velocity,
+            acceleration: self.own.free,
+            direction: velocity.signum(),
         };
+        let (effects, own, steps) = (&self.settings.effects, &self.own, &mut self.steps);
         let mut coupling = Coupling {
-            effects: &self.settings.effects,
-            parameters: &self.own.parameters,
+            against: |at: &Moment| against(effects, &own.parameters, at, steps),
             inertia: self.settings.port.inertia.abs(),
-            steps: &mut self.steps,
         };
-        coupling.force(motion, length, self.own.free, self.own.force)
+        coupling.force(&moment, length, own.free, own.force)
     }
 
     /// Steps the original under this force, and learns from the motion that it gives which acceleration all others gave.
@@ -507,6 +505,33 @@ impl Instance {
         self.own.ended = Some((position, velocity));
         Ok(stepped)
     }
+}
+
+/// What the effects oppose to the motion at a moment, each on top of the friction of those before it.
+fn against(
+    effects: &[AddedEffect],
+    parameters: &[Vec<f64>],
+    at: &Moment,
+    steps: &mut Vec<f64>,
+) -> f64 {
+    let mut friction = 0.0;
+    let mut sum = 0.0;
+    for (effect, parameters) in effects.iter().zip(parameters) {
+        let coordinates = [
+            at.position,
+            at.velocity,
+            at.acceleration,
+            at.direction,
+            at.time,
+            friction,
+        ];
+        let own = value(&effect.operations, parameters, &coordinates, steps);
+        sum += own;
+        if effect.is_friction {
+            friction += own;
+        }
+    }
+    sum
 }
 
 impl Drop for Instance {

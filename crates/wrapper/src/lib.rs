@@ -1,9 +1,8 @@
 //! An FMU around an FMU: the original, as it is, with the forces of effects added at one of its inputs.
 //!
 //! The original lies among the resources, with [`operations::Settings`] beside it. Every call goes to an instance of the original;
-//! variables that it does not have are kept here, and a step is cut into coupling steps, each with the force that [`coupling`] finds.
+//! variables that it does not have are kept here, and a step is cut into coupling steps, each with the force that [`operations::Coupling`] finds.
 
-mod coupling;
 mod fmi2;
 mod fmi3;
 mod guard;

@@ -1,42 +1,41 @@
-//! The force of the effects over one step.
+//! The force of what opposes the motion, constant over one step.
 //!
 //! Over a step of length h the force f is constant. The velocity v at its start, the inertia J of the port and the acceleration a₀ that
-//! all other forces give make the velocity v + h(a₀ + f/J) at its end. Each effect is taken in the middle of the step, and f solves the
-//! implicit midpoint rule. Where the motion comes to rest within the step, each direction has its part of it; and where a force that
+//! all other forces give make the velocity v + h(a₀ + f/J) at its end. What opposes the motion is taken in the middle of the step, and f
+//! solves the implicit midpoint rule. Where the motion comes to rest within the step, each direction has its part of it; and where a force that
 //! jumps with the direction holds against all others, f is the force that brings the velocity to zero, so that the plant sticks.
 
-use operations::{AddedEffect, value};
-
-/// Motion at the start of a step.
+/// A moment of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    /// Time since the start [s].
+pub struct Moment {
+    /// Time [s].
     pub time: f64,
     /// Position [m or rad].
     pub position: f64,
     /// Velocity [m/s or rad/s].
     pub velocity: f64,
+    /// Acceleration [m/s² or rad/s²].
+    pub acceleration: f64,
+    /// Direction of motion: −1 or 1.
+    pub direction: f64,
 }
 
 /// Most steps of the search for the force, and how near to a solution it ends.
 const MOST_TRIALS: usize = 20;
 const NEAR: f64 = 1e-13;
 
-/// The effects with their parameters, and memory for their operations.
-pub struct Coupling<'a> {
-    /// The effects.
-    pub effects: &'a [AddedEffect],
-    /// Values of their parameters.
-    pub parameters: &'a [Vec<f64>],
-    /// Inertia of the port [kg or kg m²], > 0.
+/// What opposes the motion of an inertia.
+pub struct Coupling<F> {
+    /// Force against the motion at a moment [N or N m].
+    pub against: F,
+    /// Inertia [kg or kg m²], > 0.
     pub inertia: f64,
-    /// Memory.
-    pub steps: &'a mut Vec<f64>,
 }
 
-impl Coupling<'_> {
-    /// Force along the motion over a step of `length` [s], where all others give the acceleration `free`; `last` is a first guess.
-    pub fn force(&mut self, from: Motion, length: f64, free: f64, last: f64) -> f64 {
+impl<F: FnMut(&Moment) -> f64> Coupling<F> {
+    /// Force along the motion over a step of `length` [s] from a moment of which time, position and velocity count, where all others
+    /// give the acceleration `free`; `last` is a first guess.
+    pub fn force(&mut self, from: &Moment, length: f64, free: f64, last: f64) -> f64 {
         let (velocity, inertia) = (from.velocity, self.inertia);
         let gained = |force: f64| free + force / inertia;
         if velocity == 0.0 {
@@ -67,13 +66,20 @@ impl Coupling<'_> {
         }
     }
 
-    /// The force while the motion has this direction: a root of force + effects, by secants.
-    fn sliding(&mut self, from: Motion, length: f64, free: f64, direction: f64, guess: f64) -> f64 {
+    /// The force while the motion has this direction: a root of force + what opposes it, by secants.
+    fn sliding(
+        &mut self,
+        from: &Moment,
+        length: f64,
+        free: f64,
+        direction: f64,
+        guess: f64,
+    ) -> f64 {
         let mut before = guess;
-        let mut missed = before + self.against(from, length, free, direction, before);
+        let mut missed = before + self.opposed(from, length, free, direction, before);
         let mut force = before - missed;
         for _ in 0..MOST_TRIALS {
-            let misses = force + self.against(from, length, free, direction, force);
+            let misses = force + self.opposed(from, length, free, direction, force);
             if misses.abs() <= NEAR * force.abs() || misses == missed {
                 break;
             }
@@ -83,75 +89,50 @@ impl Coupling<'_> {
         force
     }
 
-    /// What the effects oppose to the motion in the middle of the step.
-    fn against(&mut self, from: Motion, length: f64, free: f64, direction: f64, force: f64) -> f64 {
+    /// What opposes the motion in the middle of the step.
+    fn opposed(
+        &mut self,
+        from: &Moment,
+        length: f64,
+        free: f64,
+        direction: f64,
+        force: f64,
+    ) -> f64 {
         let acceleration = free + force / self.inertia;
         let half = 0.5 * length;
-        let mut coordinates = [
-            from.position + half * (from.velocity + 0.5 * half * acceleration),
-            from.velocity + half * acceleration,
+        (self.against)(&Moment {
+            time: from.time + half,
+            position: from.position + half * (from.velocity + 0.5 * half * acceleration),
+            velocity: from.velocity + half * acceleration,
             acceleration,
             direction,
-            from.time + half,
-            0.0,
-        ];
-        let mut sum = 0.0;
-        for (effect, parameters) in self.effects.iter().zip(self.parameters) {
-            let own = value(&effect.operations, parameters, &coordinates, self.steps);
-            sum += own;
-            if effect.is_friction {
-                coordinates[5] += own;
-            }
-        }
-        sum
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use operations::{Operation, Own};
-
-    fn dry_friction(force: f64) -> (Vec<AddedEffect>, Vec<Vec<f64>>) {
-        let effect = AddedEffect {
-            name: "coulomb_friction".to_owned(),
-            equation: "force * direction".to_owned(),
-            operations: vec![
-                Operation::Parameter(0),
-                Operation::Coordinate(3),
-                Operation::Multiply(0, 1),
-            ],
-            is_friction: true,
-            parameters: vec![Own {
-                name: "force".to_owned(),
-                reference: 0,
-                start: force,
-            }],
-        };
-        (vec![effect], vec![vec![force]])
-    }
 
     /// A unit mass on a unit spring from x = 1 under friction, in steps of `length`: position and velocity at `end`.
     fn swing(friction: f64, length: f64, end: f64) -> (f64, f64) {
-        let (effects, parameters) = dry_friction(friction);
-        let mut steps = Vec::new();
         let (mut x, mut v, mut free, mut last) = (1.0, 0.0, -1.0, 0.0);
         for step in 0..(end / length).round() as usize {
-            let from = Motion {
+            let from = Moment {
                 time: step as f64 * length,
                 position: x,
                 velocity: v,
+                acceleration: 0.0,
+                direction: 0.0,
             };
             // The motion under a constant force is exact, and the force is sought until it fits, as with an original that goes back.
             let mut moved = (x, v);
             for _ in 0..5 {
                 let mut coupling = Coupling {
-                    effects: &effects,
-                    parameters: &parameters,
+                    against: |at: &Moment| friction * at.direction,
                     inertia: 1.0,
-                    steps: &mut steps,
                 };
-                last = coupling.force(from, length, free, last);
+                last = coupling.force(&from, length, free, last);
                 let (sine, cosine) = length.sin_cos();
                 moved = (
                     last + (x - last) * cosine + v * sine,
