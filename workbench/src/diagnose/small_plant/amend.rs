@@ -94,7 +94,7 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> Sma
             kind: case.kind().word().to_owned(),
             quantity: quantity(case.kind()).to_owned(),
             unit: match case.kind() {
-                Kind::Pendulum => "rad",
+                kind if kind.runs_alone() => "rad",
                 kind => Dimension::Force.unit(kind, case.model.model.path),
             }
             .to_owned(),
@@ -117,6 +117,7 @@ fn quantity(kind: Kind) -> &'static str {
     match kind {
         Kind::Drive => "force that the measured motion needs",
         Kind::Pendulum => "angle in a free run",
+        Kind::Joint => "angle in a run under the measured voltage",
         Kind::Contact => "force that the contact opposes to the measured motion",
         Kind::Balance => "force that prediction and effects give",
         Kind::Fmu => "force that the FMU lacks to move as measured",

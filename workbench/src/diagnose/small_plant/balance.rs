@@ -6,7 +6,7 @@ use super::model_file::Measurement;
 use super::motion::{Motion, Scales};
 use super::problem::Problem;
 use super::term::{MOST_PARAMETERS, Sample};
-use super::unit::{Dimension, Kind};
+use super::unit::Dimension;
 
 /// Order of the low-pass that both forces go through.
 const ORDER: usize = 8;
@@ -154,11 +154,8 @@ impl Prepared {
     /// The moments to compare: not at the edges, every so many samples, and where the force that an FMU lacks is known.
     fn moving(&self) -> Vec<usize> {
         let count = self.motion.len().saturating_sub(2 * self.edge);
-        let moves = |kept: &usize| match &self.motion.pursuit {
-            Some(pursuit) => pursuit.moves[self.edge + kept * self.stride],
-            None => true,
-        };
-        (0..count.div_ceil(self.stride)).filter(moves).collect()
+        let tells = |kept: &usize| self.motion.tells[self.edge + kept * self.stride];
+        (0..count.div_ceil(self.stride)).filter(tells).collect()
     }
 
     /// The moment at sample `at` plus `shift` samples, between samples on the cubic through four of them.
@@ -191,8 +188,11 @@ impl Prepared {
             direction: motion.direction[low],
             load: motion.load[at],
             predicted: between(&motion.predicted),
+            voltage: motion.voltage[at],
+            connected: motion.connected[at],
             slopes: self.slopes(at),
             nominal: motion.pursuit.as_ref().map_or(0.0, |own| own.nominal[at]),
+            ..Sample::default()
         }
     }
 
@@ -232,11 +232,7 @@ impl Prepared {
     }
 
     fn model_force(&self, model: &Model) -> Vec<f64> {
-        let inertia = if model.kind == Kind::Pendulum {
-            1.0
-        } else {
-            0.0
-        };
+        let inertia = if model.kind.runs_alone() { 1.0 } else { 0.0 };
         // What is read now was there `delay` ago: the motion that goes with this force is read later.
         let found_at = self.motion.pursuit.as_ref().map_or(0.0, |own| own.at_delay);
         let delay = model.delay() - found_at;

@@ -1,6 +1,6 @@
 //! What an analyst's model of a small plant consists of before anything is added.
 
-use super::term::{Entry, Parameter, Range, Role, parameter};
+use super::term::{Entry, Parameter, Range, Role, Sample, parameter};
 use super::unit::{Dimension, Kind};
 
 /// M·a + viscous·v + offset = force.
@@ -151,6 +151,64 @@ pub fn of_fmu(parameters: Vec<Parameter>) -> &'static Entry {
     }))
 }
 
+/// a + stiffness·sin(x − rest) + viscous·v = gain·u − back_emf·v, all over the moment of inertia; without the right side where the
+/// motor's terminals are open.
+pub const JOINT: Entry = Entry {
+    name: "joint",
+    description: "arm with gravity that a motor turns, with viscous drag",
+    signature: "",
+    confusable: &[],
+    kinds: &[Kind::Joint],
+    path: None,
+    needs_load: false,
+    role: Role::Added,
+    parameters: &[
+        parameter(
+            "stiffness",
+            Dimension::ForcePerPosition,
+            Range::Positive,
+            "weight's moment over moment of inertia, which includes the motor's times the ratio's square",
+        ),
+        parameter(
+            "rest",
+            Dimension::Angle,
+            Range::Free,
+            "angle at which the arm hangs",
+        ),
+        parameter(
+            "viscous",
+            Dimension::ForcePerSpeed,
+            Range::Free,
+            "viscous drag over moment of inertia",
+        ),
+        parameter(
+            "gain",
+            Dimension::ForcePerVoltage,
+            Range::Free,
+            "torque over voltage at standstill, over moment of inertia",
+        ),
+        parameter(
+            "back_emf",
+            Dimension::ForcePerSpeed,
+            Range::Free,
+            "torque that the motor loses over speed, over moment of inertia",
+        ),
+    ],
+    equation: None,
+    force: |p, s, _| s.weight + p[2] * s.velocity - s.motor,
+    starts: &[],
+};
+
+/// Torque of a joint's motor and moment of its weight, over the moment of inertia [rad/s²], from its base's numbers.
+#[must_use]
+pub fn joint_loads(numbers: &[f64], sample: &Sample) -> (f64, f64) {
+    let [stiffness, rest, _, gain, back_emf] = *numbers else {
+        return (0.0, 0.0);
+    };
+    let motor = sample.connected * (gain * sample.voltage - back_emf * sample.velocity);
+    (motor, stiffness * (sample.position - rest).sin())
+}
+
 /// Section of an FMU's uncertain parameters.
 pub const PARAMETERS: &str = "parameters";
 
@@ -162,6 +220,7 @@ pub fn base(kind: Kind) -> Option<&'static Entry> {
         Kind::Pendulum => &PENDULUM,
         Kind::Contact => &CONTACT,
         Kind::Balance => &BALANCE,
+        Kind::Joint => &JOINT,
         Kind::Fmu => return None,
     })
 }

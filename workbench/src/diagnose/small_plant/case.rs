@@ -22,8 +22,10 @@ use crate::files::record::{Missing, Record, RecordError};
 
 /// Least length of all records to learn from together, in periods of the motion.
 const SHORTEST: f64 = 5.0;
-/// Most by which a sampling step may differ from the median one, relative to it.
+/// Most by which a sampling step may differ from the median one, relative to it, before the record is read off again at even times.
 const JITTER: f64 = 0.02;
+/// Longest sampling step over the mean one that is no hole.
+const HOLE: f64 = 3.0;
 
 /// A case, read and checked.
 #[derive(Debug, Clone)]
@@ -150,8 +152,9 @@ pub fn load(
     }
     let columns: Vec<&str> = plant.iter().flat_map(Plant::columns).collect();
     let mut all = Vec::new();
+    let mut notes = Vec::new();
     for part in parts.iter().chain([held_out_part]) {
-        all.push(read(part, &model, &columns)?);
+        all.push(read(part, &model, &columns, &mut notes)?);
     }
     let chased = match plant {
         Some(plant) => {
@@ -217,9 +220,9 @@ pub fn load(
         goes_on,
         scales,
         without: material.without.clone(),
-        notes: chased
-            .iter()
-            .flat_map(|chased| chased.plant.notes.clone())
+        notes: notes
+            .into_iter()
+            .chain(chased.iter().flat_map(|chased| chased.plant.notes.clone()))
             .chain(chased.is_none().then(|| {
                 "no FMU was built: the library's rigs do not include such a plant; model.amended.toml is the amended model"
                     .to_owned()
@@ -247,7 +250,12 @@ pub fn check_effect(name: &str) -> Result<(), String> {
     ))
 }
 
-fn read(part: &Part, model: &SmallModel, driven: &[&str]) -> Result<Recorded, SmallCaseError> {
+fn read(
+    part: &Part,
+    model: &SmallModel,
+    driven: &[&str],
+    notes: &mut Vec<String>,
+) -> Result<Recorded, SmallCaseError> {
     let file = part.path.display().to_string();
     let unusable = |what: String| SmallCaseError::Unusable {
         file: file.clone(),
@@ -297,15 +305,31 @@ fn read(part: &Part, model: &SmallModel, driven: &[&str]) -> Result<Recorded, Sm
             "{count} samples are too few; at least 100 are needed"
         )));
     }
-    for pair in record.time().windows(2) {
-        let step = (pair[1] - pair[0]) * to_seconds;
-        if (step / interval - 1.0).abs() > JITTER {
+    let steps = || {
+        record
+            .time()
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]) * to_seconds)
+    };
+    let even = if steps().all(|step| (step / interval - 1.0).abs() <= JITTER) {
+        None
+    } else {
+        let mean = (record.time()[count - 1] - record.time()[0]) * to_seconds / (count - 1) as f64;
+        if let Some(at) = steps().position(|step| step > HOLE * mean) {
             return Err(unusable(format!(
-                "the step at {} s is {step:.6} s where {interval:.6} s is usual; a stretch without holes can be given as {file}@FROM:TO",
-                pair[0] * to_seconds
+                "the step at {} s is {:.6} s where {mean:.6} s is usual; a stretch without holes can be given as {file}@FROM:TO",
+                record.time()[at] * to_seconds,
+                (record.time()[at + 1] - record.time()[at]) * to_seconds
             )));
         }
-    }
+        notes.push(format!(
+            "{file}: steps of time from {:.6} to {:.6} s; its columns were read off every {mean:.6} s, straight between samples",
+            steps().fold(f64::INFINITY, f64::min),
+            steps().fold(0.0, f64::max)
+        ));
+        Some(mean / to_seconds)
+    };
+    let interval = even.map_or(interval, |step| step * to_seconds);
     let rate = 1.0 / interval;
     let measurement = &model.measurement;
     for (key, cut_off) in [
@@ -337,6 +361,10 @@ fn read(part: &Part, model: &SmallModel, driven: &[&str]) -> Result<Recorded, Sm
                 known: known.clone(),
             })?;
         let factor = factor(quantity);
+        let values = match even {
+            Some(step) => at_even_times(record.time(), values, step),
+            None => values.to_vec(),
+        };
         Ok(Some(values.iter().map(|value| value * factor).collect()))
     };
     let measured = match (series(Quantity::Position)?, series(Quantity::Velocity)?) {
@@ -374,6 +402,23 @@ fn read(part: &Part, model: &SmallModel, driven: &[&str]) -> Result<Recorded, Sm
     if let Some(predicted) = series(Quantity::Predicted)? {
         motion.predicted = predicted;
     }
+    if model.model.kind == Kind::Joint {
+        motion.voltage = match (series(Quantity::Voltage)?, series(Quantity::Duty)?) {
+            (Some(voltage), _) => voltage,
+            (None, duty) => {
+                let supply = series(Quantity::Supply)?.unwrap_or_default();
+                let duty = duty.unwrap_or_default().into_iter();
+                duty.zip(supply)
+                    .map(|(share, volts)| share * volts)
+                    .collect()
+            }
+        };
+        motion.connected = series(Quantity::Connected)?.unwrap_or(vec![1.0; motion.len()]);
+        let cut_off = measurement
+            .compare_low_pass
+            .unwrap_or(0.5 * measurement.compare_rate);
+        motion.leave_rests_out(measurement.standstill_speed, cut_off);
+    }
     let driven = driven.iter().map(|name| {
         let values = record
             .column(name)
@@ -383,10 +428,28 @@ fn read(part: &Part, model: &SmallModel, driven: &[&str]) -> Result<Recorded, Sm
                 quantity: "what drives an input",
                 known: known.clone(),
             })?;
-        Ok(values.to_vec())
+        Ok(match even {
+            Some(step) => at_even_times(record.time(), values, step),
+            None => values.to_vec(),
+        })
     });
     let driven = driven.collect::<Result<Vec<_>, SmallCaseError>>()?;
     Ok(Recorded { motion, driven })
+}
+
+/// A column at even steps of time from its first sample on, straight between samples.
+fn at_even_times(time: &[f64], values: &[f64], step: f64) -> Vec<f64> {
+    let mut low = 0;
+    (0..time.len())
+        .map(|at| {
+            let wanted = time[0] + at as f64 * step;
+            while low + 2 < time.len() && time[low + 1] < wanted {
+                low += 1;
+            }
+            let part = ((wanted - time[low]) / (time[low + 1] - time[low])).clamp(0.0, 1.0);
+            values[low] + part * (values[low + 1] - values[low])
+        })
+        .collect()
 }
 
 /// Refuses a velocity that is not the position's, such as one in rpm called rad/s.

@@ -34,6 +34,14 @@ pub struct Columns {
     pub load: Option<Column>,
     /// Force or torque that somebody's own model predicts for the measured motion.
     pub predicted: Option<Column>,
+    /// Voltage at a motor's terminals.
+    pub voltage: Option<Column>,
+    /// Share of the supply that is at a motor's terminals, with its sign.
+    pub duty: Option<Column>,
+    /// Voltage of a motor's supply.
+    pub supply: Option<Column>,
+    /// Whether a motor's terminals are connected: 1, or 0 where they are open.
+    pub connected: Option<Column>,
 }
 
 /// What is wrong with a column.
@@ -91,6 +99,14 @@ pub enum Quantity {
     Load,
     /// Predicted force.
     Predicted,
+    /// Voltage.
+    Voltage,
+    /// Duty.
+    Duty,
+    /// Supply.
+    Supply,
+    /// Connected.
+    Connected,
 }
 
 impl Quantity {
@@ -104,6 +120,10 @@ impl Quantity {
             Self::Force => "force",
             Self::Load => "load",
             Self::Predicted => "predicted",
+            Self::Voltage => "voltage",
+            Self::Duty => "duty",
+            Self::Supply => "supply",
+            Self::Connected => "connected",
         }
     }
 
@@ -112,6 +132,9 @@ impl Quantity {
     pub fn units(self, path: Path) -> &'static [(&'static str, f64)] {
         match (self, path) {
             (Self::Time, _) => &[("s", 1.0), ("ms", 1e-3), ("min", 60.0)],
+            (Self::Voltage | Self::Supply, _) => &[("V", 1.0), ("mV", 1e-3)],
+            (Self::Duty, _) => &[("1", 1.0), ("%", 0.01)],
+            (Self::Connected, _) => &[("1", 1.0)],
             (Self::Position, Path::Line) => &[("m", 1.0), ("mm", 1e-3), ("um", 1e-6)],
             (Self::Position, Path::Turn) => &[("rad", 1.0), ("deg", TAU / 360.0), ("rev", TAU)],
             (Self::Velocity, Path::Line) => &[("m/s", 1.0), ("mm/s", 1e-3)],
@@ -196,6 +219,19 @@ impl Columns {
             Kind::Fmu if self.force.is_some() => Some(
                 "what drives an FMU stands in [inputs]; leave the force out, or name the input that it is",
             ),
+            Kind::Joint if self.position.is_none() => Some("a joint needs position, its angle"),
+            Kind::Joint if self.force.is_some() => Some(
+                "a joint is driven by a voltage; leave the force out, or call the plant a balance",
+            ),
+            Kind::Joint if self.voltage.is_some() == self.duty.is_some() => Some(
+                "a joint needs its motor's voltage, or duty and supply, of which it is the product; one of both",
+            ),
+            Kind::Joint if self.duty.is_some() != self.supply.is_some() => {
+                Some("duty and supply belong together; the motor's voltage is their product")
+            }
+            _ if kind != Kind::Joint && self.has_motor() => {
+                Some("voltage, duty, supply and connected belong to a joint alone; leave them out")
+            }
             _ if self.predicted.is_some() && kind != Kind::Balance => {
                 Some("predicted belongs to a balance alone; leave the line out")
             }
@@ -213,6 +249,11 @@ impl Columns {
         Ok(())
     }
 
+    fn has_motor(&self) -> bool {
+        let columns = [&self.voltage, &self.duty, &self.supply, &self.connected];
+        columns.iter().any(|column| column.is_some())
+    }
+
     /// All columns that are named.
     pub fn given(&self) -> impl Iterator<Item = (Quantity, &Column)> {
         let optional = [
@@ -221,6 +262,10 @@ impl Columns {
             (Quantity::Force, &self.force),
             (Quantity::Load, &self.load),
             (Quantity::Predicted, &self.predicted),
+            (Quantity::Voltage, &self.voltage),
+            (Quantity::Duty, &self.duty),
+            (Quantity::Supply, &self.supply),
+            (Quantity::Connected, &self.connected),
         ];
         std::iter::once((Quantity::Time, &self.time)).chain(
             optional

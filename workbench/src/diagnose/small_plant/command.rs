@@ -17,7 +17,9 @@ use super::model_file::SmallModel;
 use super::naming::{Naming, candidates, fit_base, fit_with, name as name_effects, shows};
 use super::report::page;
 use super::showing::{balance, models_on_the_way, step};
+use super::swing::Swing;
 use super::term::Entry;
+use super::unit::Kind;
 use crate::cli::Outcome;
 use crate::diagnose::amend::FILE as AMENDED;
 use crate::diagnose::finding::VerdictName;
@@ -160,13 +162,15 @@ fn named_finding(
 }
 
 fn names(case: &SmallCase, open: &[&'static Entry], progress: &mut dyn FnMut(&str)) -> Naming {
-    name_effects(
-        &balance(case),
-        &case.model.model,
-        &case.scales,
-        open,
-        progress,
-    )
+    let (forces, scales) = (balance(case), &case.scales);
+    if case.kind() != Kind::Joint {
+        return name_effects(&forces, &case.model.model, scales, open, progress);
+    }
+    // Where a joint sticks and for how long tells more of its friction than the forces while it moves.
+    progress("nominal parameters, from the forces");
+    let near = fit_base(&forces, &case.model.model, scales);
+    let runs = Swing::pieces(&case.records, &case.model.measurement, scales);
+    name_effects(&runs, &near.model, scales, open, progress)
 }
 
 fn located(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {

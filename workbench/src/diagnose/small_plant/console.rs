@@ -58,10 +58,12 @@ pub fn answer(found: &SmallFinding) -> Vec<String> {
     }
     if let [first, .., last] = &found.small_plant.steps[..] {
         lines.push(format!(
-            "Error of the {} on the held-out record: {} before, {} after.",
+            "Error of the {} on the held-out record: {} before, {} after; its mean magnitude: {} before, {} after.",
             found.small_plant.quantity,
             size(&first.held_out, &found.small_plant.unit),
-            size(&last.held_out, &found.small_plant.unit)
+            size(&last.held_out, &found.small_plant.unit),
+            number(first.held_out.mean),
+            number(last.held_out.mean)
         ));
     }
     lines

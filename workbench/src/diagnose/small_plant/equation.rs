@@ -7,8 +7,9 @@ use stickslip::parameter::Range as Allowed;
 use super::term::{Entry, Range};
 use super::unit::{Dimension, Kind, Path};
 
-/// Coordinates of small plants beyond those of an FMU's port: normal load over its mean, predicted force.
-const FURTHER: [&str; 2] = ["load", "predicted"];
+/// Coordinates of small plants beyond those of an FMU's port: normal load over its mean, predicted force, torque of a joint's motor and
+/// moment of its weight.
+const FURTHER: [&str; 4] = ["load", "predicted", "motor", "weight"];
 
 /// The operations of an effect's equation on a plant of this kind and path; `None` where it has no equation.
 ///
@@ -36,6 +37,8 @@ pub fn as_operations(
         si("s"),
         force,
         SiDimension::NONE,
+        force,
+        force,
         force,
     ];
     let names = COORDINATES.iter().chain(&FURTHER).zip(dimensions);
@@ -86,6 +89,8 @@ mod tests {
             direction: -1.0,
             load: 1.1,
             predicted: -0.8,
+            motor: 1.7,
+            weight: -0.4,
             ..Sample::default()
         };
         let friction = -0.6;
@@ -98,6 +103,8 @@ mod tests {
             friction,
             sample.load,
             sample.predicted,
+            sample.motor,
+            sample.weight,
         ];
         let mut compared = 0;
         for entry in CATALOGUE {

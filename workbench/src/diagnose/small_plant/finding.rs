@@ -51,6 +51,9 @@ pub struct ErrorSize {
     pub rmse: f64,
     /// ‖y − ŷ‖/‖y‖.
     pub relative: f64,
+    /// Mean magnitude.
+    #[serde(default)]
+    pub mean: f64,
 }
 
 impl SmallFinding {

@@ -1,5 +1,6 @@
 //! A small plant's model: its base and the effects added to it.
 
+use super::base::joint_loads;
 use super::eccentricity::Eccentricity;
 use super::term::{Entry, Parameter, Role, Sample};
 use super::unit::{Dimension, Kind, Path};
@@ -66,6 +67,19 @@ impl Model {
     #[must_use]
     pub fn force(&self, sample: &Sample) -> f64 {
         let law = self.law_in_force();
+        let loaded;
+        let mut sample = sample;
+        if self.kind == Kind::Joint
+            && let Some(base) = self.terms.first()
+        {
+            let (motor, weight) = joint_loads(&base.values, sample);
+            loaded = Sample {
+                motor,
+                weight,
+                ..*sample
+            };
+            sample = &loaded;
+        }
         let (mut friction, mut other) = (0.0, 0.0);
         for (at, term) in self.terms.iter().enumerate() {
             match term.entry.role {

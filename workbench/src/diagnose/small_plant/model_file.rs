@@ -174,16 +174,17 @@ impl Reader<'_> {
     fn read(&self) -> Result<SmallModel, SmallModelError> {
         let plant: PlantSection = self.section(
             "plant",
-            "kind = \"drive\", \"pendulum\", \"contact\", \"balance\" or \"fmu\" and path = \"line\" or \"turn\"",
+            "kind = \"drive\", \"pendulum\", \"contact\", \"balance\", \"joint\" or \"fmu\" and path = \"line\" or \"turn\"",
         )?;
         let kind = self.word("kind", &plant.kind, &Kind::ALL, Kind::word)?;
         let path = self.word("path", &plant.path, &[Path::Line, Path::Turn], Path::word)?;
-        if kind == Kind::Pendulum && path == Path::Line {
-            return Err(self.wrong("plant", "path", "\"line\"", "\"turn\": a pendulum turns"));
+        if kind.runs_alone() && path == Path::Line {
+            let right = format!("\"turn\": a {} turns", kind.word());
+            return Err(self.wrong("plant", "path", "\"line\"", &right));
         }
         let columns: Columns = self.section(
             "columns",
-            "lines such as time = { column = \"t\", unit = \"s\" }, for time, position, velocity, force, load, predicted",
+            "lines such as time = { column = \"t\", unit = \"s\" }, for time, position, velocity, force, load, predicted, voltage, duty, supply, connected",
         )?;
         columns
             .check(kind, path)

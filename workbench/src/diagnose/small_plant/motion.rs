@@ -32,6 +32,12 @@ pub struct Motion {
     pub load: Vec<f64>,
     /// Force or torque that somebody's own model predicts [N or N m]; zero where there is none.
     pub predicted: Vec<f64>,
+    /// Voltage at a motor's terminals [V]; zero where there is none.
+    pub voltage: Vec<f64>,
+    /// 1 where a motor's terminals are connected, 0 where they are open.
+    pub connected: Vec<f64>,
+    /// Whether the moment says something of the forces: at rest friction takes any force up to breakaway.
+    pub tells: Vec<bool>,
     /// What is particular to an FMU's missing force.
     pub pursuit: Option<Pursuit>,
 }
@@ -55,8 +61,6 @@ pub struct Pursuit {
     pub inertia_slopes: Vec<f64>,
     /// By how much it falls as the motion is read later [N/s or N m/s].
     pub delayed: Vec<f64>,
-    /// Whether the plant moves. At rest its own friction takes any force up to breakaway, so that the missing one is not known.
-    pub moves: Vec<bool>,
 }
 
 /// Usual sizes of what is in a record: root mean squares.
@@ -74,6 +78,8 @@ pub struct Scales {
     pub period: f64,
     /// Length of the longest record [s].
     pub duration: f64,
+    /// Voltage of a motor [V]; 1 where there is none.
+    pub voltage: f64,
 }
 
 /// What of the motion was measured.
@@ -132,6 +138,9 @@ impl Motion {
             force: vec![0.0; count],
             load: vec![1.0; count],
             predicted: vec![0.0; count],
+            voltage: vec![0.0; count],
+            connected: vec![0.0; count],
+            tells: vec![true; count],
             pursuit: None,
         }
     }
@@ -148,7 +157,28 @@ impl Motion {
         both.force.extend(&next.force);
         both.load.extend(&next.load);
         both.predicted.extend(&next.predicted);
+        both.voltage.extend(&next.voltage);
+        both.connected.extend(&next.connected);
+        both.tells.extend(&next.tells);
         both
+    }
+
+    /// Leaves out of the comparison of forces where it stands or stood within half a period of `cut_off` [Hz], up to which forces are
+    /// compared. Through a standstill at speeds up to `standstill` [m/s or rad/s] friction goes from one side to the other.
+    pub fn leave_rests_out(&mut self, standstill: f64, cut_off: f64) {
+        if standstill > 0.0 {
+            let turning = |v: &f64| (v / standstill).clamp(-1.0, 1.0);
+            self.direction = self.velocity.iter().map(turning).collect();
+        }
+        let reach = (0.5 / (cut_off * self.interval)).ceil() as usize;
+        let mut tells = vec![true; self.len()];
+        for (at, velocity) in self.velocity.iter().enumerate() {
+            if velocity.abs() <= standstill {
+                let (from, to) = (at.saturating_sub(reach), (at + reach + 1).min(tells.len()));
+                tells[from..to].fill(false);
+            }
+        }
+        self.tells = tells;
     }
 
     /// Number of samples.
@@ -191,12 +221,14 @@ impl Scales {
             .collect();
         let force = root_mean_square(&unexplained);
         let speed = root_mean_square(&over(|m| &m.velocity));
+        let voltage = root_mean_square(&over(|m| &m.voltage));
         Self {
             position: root_mean_square(&about),
             speed,
             period: TAU * speed / acceleration,
             duration: records.iter().map(Motion::seconds).fold(0.0, f64::max),
             acceleration,
+            voltage: if voltage > 0.0 { voltage } else { 1.0 },
             force: if force > 0.0 { force } else { acceleration },
         }
     }

@@ -238,7 +238,7 @@ pub fn shows(entry: &Entry, kind: Kind, records: usize) -> bool {
         .parameters
         .iter()
         .any(|parameter| parameter.dimension == Dimension::PerMinute);
-    !by_time || kind != Kind::Pendulum || records > 1
+    !by_time || !kind.runs_alone() || records > 1
 }
 
 /// What a round's candidates are compared with.

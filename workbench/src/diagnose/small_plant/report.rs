@@ -10,7 +10,7 @@ use super::finding::SmallFinding;
 use super::model::Model;
 use super::showing::{Course, balance, held_out_course};
 use super::structure::COORDINATES;
-use super::unit::{Dimension, Kind, Path};
+use super::unit::{Dimension, Path};
 use crate::diagnose::console::{number, readable};
 use crate::diagnose::report::figures::ranking;
 use crate::diagnose::report::markup::{escape, figure};
@@ -232,8 +232,8 @@ fn candidates(found: &SmallFinding) -> String {
 fn held_out(case: &SmallCase, before: &Model, after: &Model) -> String {
     let (old, new) = (held_out_course(case, before), held_out_course(case, after));
     let value = || match case.kind() {
-        Kind::Pendulum => Axis::new("angle [rad]"),
-        Kind::Drive | Kind::Contact | Kind::Balance | Kind::Fmu => force_axis(case, "force"),
+        kind if kind.runs_alone() => Axis::new("angle [rad]"),
+        _ => force_axis(case, "force"),
     };
     let end = old.time.last().copied().unwrap_or(0.0);
     let begin = old.time.first().copied().unwrap_or(0.0);

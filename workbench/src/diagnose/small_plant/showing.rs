@@ -45,7 +45,7 @@ pub fn balance(case: &SmallCase) -> Balance {
 /// free run.
 #[must_use]
 pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
-    if case.kind() != Kind::Pendulum {
+    if !case.kind().runs_alone() {
         return fitted.clone();
     }
     let mut best = fitted.clone();
@@ -69,7 +69,7 @@ pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
 #[must_use]
 pub fn final_intervals(case: &SmallCase, fitted: &Fit) -> Vec<(usize, usize, [f64; 2])> {
     match case.kind() {
-        Kind::Pendulum => {
+        Kind::Pendulum | Kind::Joint => {
             let swing = Swing::whole(&case.records, &case.model.measurement, &case.scales);
             intervals(&swing, fitted, &case.scales)
         }
@@ -110,7 +110,7 @@ pub fn step(case: &SmallCase, effect: Option<&str>, model: &Model) -> Step {
 
 fn learned_course(case: &SmallCase, model: &Model) -> Course {
     match case.kind() {
-        Kind::Pendulum => {
+        Kind::Pendulum | Kind::Joint => {
             let swing = Swing::whole(&case.records, &case.model.measurement, &case.scales);
             let residuals: Vec<f64> = swing.residuals(model).concat();
             let measured = swing.readings();
@@ -135,7 +135,7 @@ fn learned_course(case: &SmallCase, model: &Model) -> Course {
 pub fn held_out_course(case: &SmallCase, model: &Model) -> Course {
     let held_out = std::slice::from_ref(&case.held_out);
     let measurement = &case.model.measurement;
-    if case.kind() != Kind::Pendulum {
+    if !case.kind().runs_alone() {
         return balance_course(&Balance::new(held_out, measurement, &case.scales), model);
     }
     let (swing, begin, skipped, known) = match case.records.last() {
@@ -152,7 +152,11 @@ pub fn held_out_course(case: &SmallCase, model: &Model) -> Course {
         }
         _ => {
             let alone = Swing::whole(held_out, measurement, &case.scales);
-            let known = (START * case.scales.period / alone.time_step()) as usize;
+            // A joint's friction forgets the start, which is the measured one.
+            let known = match case.kind() {
+                Kind::Joint => 0,
+                _ => (START * case.scales.period / alone.time_step()) as usize,
+            };
             (alone, case.held_out.begin, 0, known)
         }
     };
@@ -184,9 +188,12 @@ fn error(course: &Course) -> ErrorSize {
         .zip(&course.model)
         .map(|(y, m)| (y - m).powi(2))
         .sum();
+    let pairs = course.measured.iter().zip(&course.model);
+    let magnitude: f64 = pairs.map(|(y, m)| (y - m).abs()).sum();
     let size: f64 = course.measured.iter().map(|y| y * y).sum();
     ErrorSize {
         rmse: (square / count).sqrt(),
         relative: (square / size).sqrt(),
+        mean: magnitude / count,
     }
 }

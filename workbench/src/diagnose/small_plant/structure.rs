@@ -154,6 +154,7 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left
         Kind::Contact => "contact",
         Kind::Balance => "balance",
         Kind::Fmu => "port",
+        Kind::Joint => "joint",
     };
     let mut all: Vec<Left> = COORDINATES
         .iter()

@@ -1,16 +1,20 @@
-//! Pendulum: the swing that the model predicts from the start of a stretch against the angle that was read.
+//! Pendulum and joint: the motion that the model predicts from the start of a stretch against the angle that was read.
 //!
 //! Each stretch starts from the state from which the model follows its readings best; in between the model runs alone.
 //! Steps are those of Runge and Kutta's fourth order, ended exactly where the direction of motion turns, so that dry
-//! friction costs no accuracy.
+//! friction costs no accuracy. A joint stands still again and again: it goes by the implicit midpoint rule that lets it stick
+//! ([`operations::Coupling`]), under the mean voltage of each step.
 
 use nalgebra::{Matrix2, Vector2};
+
+use operations::{Coupling, Moment};
 
 use super::model::Model;
 use super::model_file::Measurement;
 use super::motion::{Motion, Scales};
 use super::problem::Problem;
 use super::term::Sample;
+use super::unit::Kind;
 
 /// Length of a piece in periods.
 const PIECE: f64 = 2.0;
@@ -26,6 +30,8 @@ struct Stretch {
     begin: f64,
     step: f64,
     readings: Vec<f64>,
+    /// Mean voltage over the step after each reading [V], and the share of it in which the motor's terminals are connected.
+    driven: Vec<(f64, f64)>,
     /// Angle and rate read at its start.
     start: [f64; 2],
 }
@@ -46,6 +52,12 @@ impl Swing {
     #[must_use]
     pub fn whole(records: &[Motion], measurement: &Measurement, scales: &Scales) -> Self {
         Self::cut(records, measurement, scales, f64::INFINITY)
+    }
+
+    /// All records cut into stretches of one piece each.
+    #[must_use]
+    pub fn pieces(records: &[Motion], measurement: &Measurement, scales: &Scales) -> Self {
+        Self::cut(records, measurement, scales, PIECE * scales.period)
     }
 
     /// All records cut into stretches of about this length [s].
@@ -70,6 +82,7 @@ impl Swing {
                     begin: first as f64 * record.interval,
                     step,
                     readings: part.iter().map(|&at| record.reading[at]).collect(),
+                    driven: part.iter().map(|&at| driven(record, at, stride)).collect(),
                     start: [record.position[first], record.velocity[first]],
                 });
             }
@@ -149,8 +162,11 @@ impl Problem for Swing {
     }
 }
 
-/// Angle and rate from which the model follows the readings best.
+/// Angle and rate from which the model follows the readings best; of a joint, whose friction forgets the start, those that were read.
 fn best_start(model: &Model, stretch: &Stretch, readings: &[f64], nudge: [f64; 2]) -> [f64; 2] {
+    if model.kind == Kind::Joint {
+        return stretch.start;
+    }
     let count = readings.len();
     let run = |start: [f64; 2]| simulate(model, stretch, start, count);
     let misfit =
@@ -186,8 +202,62 @@ fn best_start(model: &Model, stretch: &Stretch, readings: &[f64], nudge: [f64; 2
     start
 }
 
+/// Mean voltage and share of connection over `stride` samples after `at`, which go straight from one to the next.
+fn driven(record: &Motion, at: usize, stride: usize) -> (f64, f64) {
+    let last = record.len() - 1;
+    let (mut voltage, mut connected) = (0.0, 0.0);
+    for from in at..at + stride {
+        let (from, to) = (from.min(last), (from + 1).min(last));
+        voltage += 0.5 * (record.voltage[from] + record.voltage[to]);
+        connected += 0.5 * (record.connected[from] + record.connected[to]);
+    }
+    (voltage / stride as f64, connected / stride as f64)
+}
+
+/// Angles of a joint that runs alone from a start under the measured voltage.
+fn turn(model: &Model, stretch: &Stretch, start: [f64; 2], count: usize) -> Vec<f64> {
+    let [mut position, mut velocity] = start;
+    let mut angles = Vec::with_capacity(count);
+    let mut force = 0.0;
+    let steps = stretch.driven.iter().enumerate().take(count);
+    for (at, &(voltage, connected)) in steps {
+        angles.push(position);
+        let from = Moment {
+            time: stretch.begin + at as f64 * stretch.step,
+            position,
+            velocity,
+            acceleration: 0.0,
+            direction: 0.0,
+        };
+        let against = |moment: &Moment| {
+            model.force(&Sample {
+                time: moment.time,
+                position: moment.position,
+                velocity: moment.velocity,
+                acceleration: moment.acceleration,
+                direction: moment.direction,
+                load: 1.0,
+                voltage,
+                connected,
+                ..Sample::default()
+            })
+        };
+        let mut coupling = Coupling {
+            against,
+            inertia: 1.0,
+        };
+        force = coupling.force(&from, stretch.step, 0.0, force);
+        position += stretch.step * (velocity + 0.5 * stretch.step * force);
+        velocity += stretch.step * force;
+    }
+    angles
+}
+
 /// Angles that are read while the model runs alone from a start.
 fn simulate(model: &Model, stretch: &Stretch, start: [f64; 2], count: usize) -> Vec<f64> {
+    if model.kind == Kind::Joint {
+        return turn(model, stretch, start, count);
+    }
     let encoder = model.eccentricity();
     let mut state = start;
     let mut angles = Vec::with_capacity(count);

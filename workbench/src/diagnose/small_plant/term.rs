@@ -19,6 +19,14 @@ pub struct Sample {
     pub load: f64,
     /// Force that somebody's own model predicts [N or N m]; 0 where there is none.
     pub predicted: f64,
+    /// Voltage at the motor's terminals [V].
+    pub voltage: f64,
+    /// 1 where the motor's terminals are connected, 0 where they are open.
+    pub connected: f64,
+    /// Torque of the motor over the moment of inertia, friction apart [rad/s²]; of a joint.
+    pub motor: f64,
+    /// Moment of the arm's weight over the moment of inertia [rad/s²]; of a joint.
+    pub weight: f64,
     /// By how much an FMU's missing force falls as each of its uncertain parameters grows [N or N m over the parameter's unit].
     pub slopes: [f64; MOST_PARAMETERS],
     /// The same times the parameters' values at which the force was found, summed [N or N m].

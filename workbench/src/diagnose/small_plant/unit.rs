@@ -15,6 +15,8 @@ pub enum Kind {
     Balance,
     /// Anybody's FMU: the force that it lacks to move as was measured.
     Fmu,
+    /// An arm with gravity that a motor turns, under a measured voltage.
+    Joint,
 }
 
 /// Along what it moves.
@@ -28,12 +30,13 @@ pub enum Path {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Drive,
         Self::Pendulum,
         Self::Contact,
         Self::Balance,
         Self::Fmu,
+        Self::Joint,
     ];
 
     /// The kind as written in a model file.
@@ -45,7 +48,14 @@ impl Kind {
             Self::Contact => "contact",
             Self::Balance => "balance",
             Self::Fmu => "fmu",
+            Self::Joint => "joint",
         }
+    }
+
+    /// Whether all its forces are over its moment of inertia, and it is judged by runs of its own.
+    #[must_use]
+    pub fn runs_alone(self) -> bool {
+        matches!(self, Self::Pendulum | Self::Joint)
     }
 }
 
@@ -87,6 +97,10 @@ pub enum Dimension {
     Angle,
     /// Ratio.
     Ratio,
+    /// Over a force.
+    PerForce,
+    /// Force over a voltage.
+    ForcePerVoltage,
     /// That of an FMU's parameter.
     Own {
         /// Its unit as the FMU gives it.
@@ -101,7 +115,7 @@ impl Dimension {
     #[must_use]
     pub fn unit(self, kind: Kind, path: Path) -> &'static str {
         let turn = path == Path::Turn;
-        let free = kind == Kind::Pendulum;
+        let free = kind.runs_alone();
         match self {
             Self::Inertia if turn => "kg.m2",
             Self::Inertia => "kg",
@@ -128,6 +142,12 @@ impl Dimension {
             Self::PerMinute => "1/min",
             Self::Angle => "rad",
             Self::Ratio => "1",
+            Self::PerForce if free => "s2/rad",
+            Self::PerForce if turn => "1/(N.m)",
+            Self::PerForce => "1/N",
+            Self::ForcePerVoltage if free => "rad/(s2.V)",
+            Self::ForcePerVoltage if turn => "N.m/V",
+            Self::ForcePerVoltage => "N/V",
             Self::Own { unit, .. } => unit,
         }
     }
@@ -141,6 +161,7 @@ impl Dimension {
             acceleration,
             force,
             duration,
+            voltage,
             ..
         } = *scales;
         match self {
@@ -155,6 +176,8 @@ impl Dimension {
             Self::Delay => 0.1 * speed / acceleration,
             Self::PerMinute => 60.0 / duration,
             Self::Angle | Self::Ratio => 1.0,
+            Self::PerForce => 1.0 / force,
+            Self::ForcePerVoltage => force / voltage,
             Self::Own { size, .. } => size,
         }
     }

@@ -137,21 +137,13 @@ impl Chased {
 
     /// Refuses a record in which the plant hardly moves; finds where it does.
     fn checked(&self, mut motion: Motion) -> Result<Motion, MissingError> {
-        // Through a standstill friction goes from one side to the other.
-        let turning = |v: &f64| (v / self.standstill).clamp(-1.0, 1.0);
-        if self.standstill > 0.0 {
-            motion.direction = motion.velocity.iter().map(turning).collect();
-        }
-        let moves = moves(&motion, self.standstill, self.cut_off);
-        let moving = moves.iter().filter(|own| **own).count();
-        if moving < moves.len() / 10 {
+        motion.leave_rests_out(self.standstill, self.cut_off);
+        let moving = motion.tells.iter().filter(|own| **own).count();
+        if moving < motion.len() / 10 {
             return Err(MissingError::Rests {
                 record: motion.name,
                 seconds: moving as f64 * motion.interval,
             });
-        }
-        if let Some(known) = &mut motion.pursuit {
-            known.moves = moves;
         }
         Ok(motion)
     }
@@ -191,7 +183,6 @@ fn moved(
         // To both sides: noise of a difference to one side goes against that of the force, and a little of it would pass for a delay.
         delayed: slope(earlier, later, 2.0 * motion.interval),
         slopes,
-        moves: Vec::new(),
     });
     // What the force was found for: another estimate of the motion has other noise, and a mixture of both has less than either.
     motion.force.clone_from(&own.force);
@@ -199,17 +190,4 @@ fn moved(
     motion.velocity.clone_from(&own.velocity);
     motion.acceleration.clone_from(&own.acceleration);
     motion
-}
-
-/// Where the plant moves, and has moved for as long as what is looked at takes.
-fn moves(motion: &Motion, standstill: f64, cut_off: f64) -> Vec<bool> {
-    let reach = (0.5 / (cut_off * motion.interval)).ceil() as usize;
-    let mut moves = vec![true; motion.len()];
-    for (at, velocity) in motion.velocity.iter().enumerate() {
-        if velocity.abs() <= standstill {
-            let (from, to) = (at.saturating_sub(reach), (at + reach + 1).min(moves.len()));
-            moves[from..to].fill(false);
-        }
-    }
-    moves
 }
