@@ -6,7 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use build_fmu::binary_header;
+use crate::binary_header;
 use libloading::Library;
 
 use super::archive::Archive;
