@@ -20,6 +20,7 @@ pub mod library;
 pub mod lint;
 pub mod model_description;
 pub mod platform;
+pub mod reference;
 pub mod ssp;
 pub mod symbols;
 pub mod zip_directory;

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use crate::archive::write_atomically;
-use crate::build::Source;
+use crate::build::{Reference, Source};
 use crate::explain::explain;
 use crate::library;
 use crate::lint::{self, Loading, Package};
@@ -47,6 +47,12 @@ struct Arguments {
     fmi: Option<Version>,
     #[command(flatten)]
     binaries: Binaries,
+    /// Value that an input holds in the reference run inside the FMU; may be repeated [default: a share of its nominal].
+    #[arg(long, value_name = "NAME=VALUE", value_parser = start_value, conflicts_with = "no_reference")]
+    stimulus: Vec<(String, f64)>,
+    /// Leave out the reference run, by which users of the FMU can check its import.
+    #[arg(long)]
+    no_reference: bool,
     /// Print modelDescription.xml instead of building an FMU; needs --fmi.
     #[arg(long, requires = "fmi", conflicts_with_all = ["out", "write_xml"])]
     print_xml: bool,
@@ -187,7 +193,7 @@ fn check(fmus: &[PathBuf], no_load: bool) -> anyhow::Result<bool> {
     };
     let mut clean = true;
     for path in fmus {
-        let findings = lint::check(&Package::open(path)?, loading);
+        let lint::Report { findings, notes } = lint::report(&Package::open(path)?, loading);
         clean &= findings.is_empty();
         match findings.len() {
             0 => println!("{}: nothing found", path.display()),
@@ -195,6 +201,9 @@ fn check(fmus: &[PathBuf], no_load: bool) -> anyhow::Result<bool> {
         }
         for finding in findings {
             println!("  {finding}");
+        }
+        for note in notes {
+            println!("  {note}");
         }
     }
     Ok(clean)
@@ -221,7 +230,12 @@ fn pack_system(arguments: &SystemArguments) -> anyhow::Result<()> {
 
 fn build(arguments: &Arguments) -> anyhow::Result<()> {
     let model = arguments.model.as_deref().context("name a model.toml")?;
-    let source = Source::read(model)?;
+    let mut source = Source::read(model)?;
+    source.set_reference(if arguments.no_reference {
+        Reference::LeftOut
+    } else {
+        Reference::Run(arguments.stimulus.clone())
+    });
     let versions = match arguments.fmi {
         Some(version) => vec![FmiVersion::from(version)],
         None => FmiVersion::ALL.to_vec(),
@@ -252,6 +266,9 @@ fn build(arguments: &Arguments) -> anyhow::Result<()> {
             built.path.display(),
             built.size.div_ceil(1024)
         );
+        if let Some(reason) = built.without_reference {
+            println!("  without reference results: {reason}");
+        }
     }
     Ok(())
 }
