@@ -10,7 +10,7 @@ use crate::explain::explain;
 use crate::library;
 use crate::lint::{self, Loading, Package};
 use crate::platform::{FmiVersion, Platform};
-use crate::ssp::{self, System};
+use crate::ssp::{self, SspVersion, System};
 use anyhow::Context;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -74,7 +74,7 @@ enum Command {
         #[arg(long)]
         no_load: bool,
     },
-    /// Pack models with their connections, or a single one, into a system structure archive (SSP 1.0).
+    /// Pack models with their connections, or a single one, into a system structure archive (SSP).
     #[command(
         after_help = "Example:\n  build-fmu ssp modelDescription/reduced-rig.toml \
                             modelDescription/soft-torque.toml --start omega_ref=5.76 --start N2=50 --out out\n\
@@ -103,9 +103,12 @@ struct SystemArguments {
     /// libcosim cannot read them.
     #[arg(long)]
     expose: bool,
-    /// Version of the FMUs; SSP 1.0 was written for FMI 2.
+    /// Version of the FMUs.
     #[arg(long, value_enum, value_name = "VERSION", default_value = "2")]
     fmi: Version,
+    /// Version of the archive's own standard: 1 is read by more programs, 2 knows the types of FMI 3.
+    #[arg(long, value_enum, value_name = "VERSION", default_value = "1")]
+    ssp: ArchiveVersion,
     #[command(flatten)]
     binaries: Binaries,
     /// Folder for the archive; made if it is missing.
@@ -151,6 +154,23 @@ impl From<Version> for FmiVersion {
         match version {
             Version::Two => FmiVersion::Fmi2,
             Version::Three => FmiVersion::Fmi3,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum ArchiveVersion {
+    #[value(name = "1")]
+    One,
+    #[value(name = "2")]
+    Two,
+}
+
+impl From<ArchiveVersion> for SspVersion {
+    fn from(version: ArchiveVersion) -> Self {
+        match version {
+            ArchiveVersion::One => SspVersion::One,
+            ArchiveVersion::Two => SspVersion::Two,
         }
     }
 }
@@ -223,7 +243,13 @@ fn pack_system(arguments: &SystemArguments) -> anyhow::Result<()> {
         system.expose();
     }
     let libraries = library::select(&arguments.binaries.platforms, &arguments.binaries.libraries)?;
-    let path = ssp::build(&system, &libraries, arguments.fmi.into(), &arguments.out)?;
+    let path = ssp::build(
+        &system,
+        &libraries,
+        arguments.fmi.into(),
+        arguments.ssp.into(),
+        &arguments.out,
+    )?;
     println!("{}", path.display());
     Ok(())
 }
