@@ -1,9 +1,11 @@
 //! Repeats an experiment and compares what comes out with what should.
 
+use std::collections::BTreeMap;
+
 use thiserror::Error;
 
 use super::table::{Column, Table};
-use crate::component::{Component, ComponentError, Kind, Role};
+use crate::component::{Component, ComponentError, Kind, Role, Variable};
 
 /// Most communication steps of an experiment.
 const MOST_STEPS: f64 = 1e6;
@@ -112,25 +114,25 @@ pub fn run(
     if !(steps > 0.0 && steps <= MOST_STEPS && step > 0.0 && start.is_finite()) {
         return Err(RepeatError::Times { start, stop, step });
     }
-    let readable = |name: &str| {
-        find(component, name, "variable that can be read", |variable| {
-            variable.kind != Kind::Other
-        })
-    };
+    let names = Names::of(component.variables());
     let outputs = shown
         .iter()
-        .map(|name| readable(name))
+        .map(|name| {
+            names.find(name, "variable that can be read", |variable| {
+                variable.kind != Kind::Other
+            })
+        })
         .collect::<Result<Vec<_>, _>>()?;
     let mut inputs = Vec::new();
     for column in &experiment.stimuli.columns {
-        let at = find(component, &column.name, "real input", |variable| {
+        let at = names.find(&column.name, "real input", |variable| {
             variable.role == Role::Input && variable.kind == Kind::Real
         })?;
-        inputs.push((at, column, component.variables()[at].held));
+        inputs.push((at, column, names.variables[at].held));
     }
     let mut values = Vec::new();
     for (name, value) in &experiment.parameters {
-        let at = find(component, name, "real parameter", |variable| {
+        let at = names.find(name, "real parameter", |variable| {
             variable.role == Role::Parameter && variable.kind == Kind::Real
         })?;
         values.push((at, *value));
@@ -180,20 +182,36 @@ pub fn run(
     Ok(table)
 }
 
-fn find(
-    component: &dyn Component,
-    name: &str,
-    part: &'static str,
-    fits: impl Fn(&crate::component::Variable) -> bool,
-) -> Result<usize, RepeatError> {
-    component
-        .variables()
-        .iter()
-        .position(|variable| variable.name == name && fits(variable))
-        .ok_or_else(|| RepeatError::Name {
-            name: name.to_owned(),
-            part,
-        })
+/// A component's variables by their names.
+struct Names<'a> {
+    variables: &'a [Variable],
+    places: BTreeMap<&'a str, usize>,
+}
+
+impl<'a> Names<'a> {
+    fn of(variables: &'a [Variable]) -> Self {
+        let named = variables.iter().enumerate();
+        let places = named.map(|(at, variable)| (variable.name.as_str(), at));
+        Self {
+            variables,
+            places: places.collect(),
+        }
+    }
+
+    /// The place of the variable of this name, if it can take the part.
+    fn find(
+        &self,
+        name: &str,
+        part: &'static str,
+        fits: impl Fn(&Variable) -> bool,
+    ) -> Result<usize, RepeatError> {
+        let at = self.places.get(name).copied();
+        at.filter(|at| fits(&self.variables[*at]))
+            .ok_or_else(|| RepeatError::Name {
+                name: name.to_owned(),
+                part,
+            })
+    }
 }
 
 /// Communication points: the start and every step; with rows, these and the end too.
@@ -218,12 +236,11 @@ fn instants(experiment: &Experiment, rows: Option<&Vec<f64>>) -> Vec<f64> {
 pub fn compare(found: &Table, expected: &Table, tolerance: Option<f64>) -> Vec<Deviation> {
     let share = ALLOWANCE * tolerance.unwrap_or(USUAL_TOLERANCE);
     let mut deviations = Vec::new();
+    let named = found.columns.iter();
+    let named: BTreeMap<&str, &Column> =
+        named.map(|column| (column.name.as_str(), column)).collect();
     for reference in &expected.columns {
-        let Some(column) = found
-            .columns
-            .iter()
-            .find(|column| column.name == reference.name)
-        else {
+        let Some(column) = named.get(reference.name.as_str()) else {
             continue;
         };
         let largest = reference

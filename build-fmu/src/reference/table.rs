@@ -1,10 +1,14 @@
 //! Time series as text: a header of names, the time first, then one row of numbers for each instant.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use thiserror::Error;
 
 use crate::model_description::number;
+
+/// Most columns: each takes memory of its own, however few rows there are.
+const MOST_COLUMNS: usize = 10_000;
 
 /// Why a text is no table; `line` counts from 1.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -12,6 +16,9 @@ pub enum TableError {
     /// There is no row below the header.
     #[error("has no row of numbers")]
     Empty,
+    /// There are too many columns.
+    #[error("has more than {MOST_COLUMNS} columns")]
+    Columns,
     /// A column has no name or that of another.
     #[error("has a column {column} whose name {name:?} is empty or taken")]
     Name {
@@ -98,9 +105,13 @@ impl Table {
             .filter(|(_, line)| !line.trim().is_empty());
         let (_, header) = lines.next().ok_or(TableError::Empty)?;
         let separator = if header.contains(';') { ';' } else { ',' };
+        if header.matches(separator).count() > MOST_COLUMNS {
+            return Err(TableError::Columns);
+        }
         let names = fields(header, separator);
+        let mut known = BTreeSet::new();
         for (at, name) in names.iter().enumerate().skip(1) {
-            if name.is_empty() || names[..at].contains(name) {
+            if name.is_empty() || !known.insert(name) {
                 return Err(TableError::Name {
                     column: at + 1,
                     name: name.clone(),
