@@ -285,3 +285,154 @@ pub fn times(table: &Table) -> Vec<f64> {
     times.dedup();
     times
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Adds up its input over its steps; `held` says of the input that it changes at events only.
+    struct Sum {
+        variables: Vec<Variable>,
+        values: [f64; 2],
+        steps: Vec<f64>,
+    }
+
+    impl Sum {
+        fn new(held: bool) -> Self {
+            let variable = |name: &str, role| Variable {
+                name: name.to_owned(),
+                reference: 0,
+                role,
+                kind: Kind::Real,
+                held,
+                unit: String::new(),
+                start: None,
+                minimum: None,
+                maximum: None,
+                description: String::new(),
+            };
+            Self {
+                variables: vec![variable("u", Role::Input), variable("x", Role::Output)],
+                values: [0.0; 2],
+                steps: Vec::new(),
+            }
+        }
+    }
+
+    impl Component for Sum {
+        fn title(&self) -> String {
+            "sum".to_owned()
+        }
+        fn variables(&self) -> &[Variable] {
+            &self.variables
+        }
+        fn set(&mut self, values: &[(usize, f64)]) -> Result<(), ComponentError> {
+            values
+                .iter()
+                .for_each(|(at, value)| self.values[*at] = *value);
+            Ok(())
+        }
+        fn initialise(&mut self, _start: f64, _stop: f64) -> Result<(), ComponentError> {
+            Ok(())
+        }
+        fn reset(&mut self) -> Result<(), ComponentError> {
+            Ok(())
+        }
+        fn get(&mut self, positions: &[usize], values: &mut [f64]) -> Result<(), ComponentError> {
+            for (at, value) in positions.iter().zip(values) {
+                *value = self.values[*at];
+            }
+            Ok(())
+        }
+        fn step(&mut self, from: f64, to: f64) -> Result<(), ComponentError> {
+            self.values[1] += self.values[0] * (to - from);
+            self.steps.push(to - from);
+            Ok(())
+        }
+        fn switches(&self) -> Option<u64> {
+            None
+        }
+    }
+
+    fn experiment(stimuli: &str) -> Experiment {
+        Experiment {
+            name: "test".to_owned(),
+            start: 0.0,
+            stop: 2.0,
+            step: 0.5,
+            tolerance: None,
+            parameters: Vec::new(),
+            stimuli: Table::parse(stimuli).unwrap(),
+        }
+    }
+
+    #[test]
+    fn inputs_are_on_the_line_between_rows_or_held() {
+        for (held, expected) in [(false, 0.5 * (0.0 + 1.0 + 2.0 + 3.0)), (true, 0.0)] {
+            let mut sum = Sum::new(held);
+            let experiment = experiment("time,u\n0,0\n2,4\n");
+            let table = run(&mut sum, &experiment, &["x"], &[2.0], false).unwrap();
+            assert_eq!(table.columns[0].values, [expected]);
+        }
+    }
+
+    #[test]
+    fn a_component_of_one_step_length_is_given_no_other() {
+        let rows = [0.0, 0.5, 0.7, 2.0];
+        let experiment = experiment("time,u\n0,1\n");
+        let mut sum = Sum::new(false);
+        let table = run(&mut sum, &experiment, &["x"], &rows, true).unwrap();
+        assert_eq!((table.time, sum.steps), (vec![0.0, 0.5, 2.0], vec![0.5; 4]));
+        let mut sum = Sum::new(false);
+        let table = run(&mut sum, &experiment, &["x"], &rows, false).unwrap();
+        assert_eq!((table.time.len(), sum.steps.len()), (4, 5));
+    }
+
+    #[test]
+    fn what_is_no_run_or_no_variable_is_refused() {
+        let mut sum = Sum::new(false);
+        let mut said = |experiment: &Experiment, shown: &str| {
+            run(&mut sum, experiment, &[shown], &[0.0], false)
+                .unwrap_err()
+                .to_string()
+        };
+        let good = experiment("time,u\n0,1\n");
+        assert!(said(&good, "y").contains("y is no variable"));
+        assert!(said(&experiment("time,x\n0,1\n"), "x").contains("x is no real input"));
+        for (stop, step) in [(0.0, 0.5), (2.0, 1e-9), (f64::NAN, 0.5), (2.0, -0.5)] {
+            let odd = Experiment {
+                stop,
+                step,
+                ..good.clone()
+            };
+            assert!(said(&odd, "x").contains("no run"), "{stop} {step}");
+        }
+    }
+
+    #[test]
+    fn only_what_is_beyond_the_tolerance_is_an_excess() {
+        let expected = Table::parse("time,x\n0,0\n1,10\n1,20\n2,20\n").unwrap();
+        let worst = |values: &str, tolerance| {
+            let found = Table::parse(values).unwrap();
+            compare(&found, &expected, tolerance)[0].clone()
+        };
+        // Either side of the jump will do; a hundred tolerances of 20 are allowed.
+        for side in ["10", "20"] {
+            let text = format!("time,x\n0,0\n1,{side}\n2,20.0009\n");
+            let deviation = worst(&text, Some(1e-6));
+            assert!(
+                !deviation.is_excess() && deviation.time == 2.0,
+                "{deviation:?}"
+            );
+            assert!(worst(&text, Some(1e-8)).is_excess());
+        }
+        assert!(worst("time,x\n0,0\n1,15\n2,20\n", None).is_excess());
+        let mut broken = Table::parse("time,x\n0,0\n2,20\n").unwrap();
+        broken.columns[0].values[0] = f64::NAN;
+        let deviation = compare(&broken, &expected, None)[0].clone();
+        assert!(
+            deviation.is_excess() && deviation.time == 0.0,
+            "{deviation:?}"
+        );
+    }
+}
