@@ -39,7 +39,7 @@ pub enum LibraryError {
     #[error(
         "no library for {platform} was found; looked for {}. {}",
         looked_for.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" and "),
-        remedy(*platform)
+        remedy(*platform, looked_for)
     )]
     NotFound {
         /// What it was wanted for.
@@ -81,8 +81,12 @@ pub enum LibraryError {
     },
 }
 
-fn remedy(platform: Platform) -> String {
-    let file_name = platform.library_file_name();
+fn remedy(platform: Platform, looked_for: &[PathBuf]) -> String {
+    let file_name = looked_for
+        .first()
+        .and_then(|path| path.file_name())
+        .unwrap_or_default()
+        .to_string_lossy();
     if Platform::current() == Some(platform) {
         return format!(
             "Put {file_name} beside this program (`cargo build --release` in the source tree makes it) or name it \
@@ -100,6 +104,11 @@ fn remedy(platform: Platform) -> String {
         ),
     }
 }
+
+/// Library of rigs and controllers, as the build calls it.
+const PLANT: &str = "stickslip";
+/// Library of an FMU around an FMU.
+const WRAPPER: &str = "stickslip_wrapper";
 
 /// Where the libraries lie if the running program is not what they lie beside.
 static HOME: OnceLock<PathBuf> = OnceLock::new();
@@ -119,15 +128,7 @@ pub fn look_in(folder: PathBuf) {
 pub fn find(named: Option<&Path>) -> Result<Library, LibraryError> {
     match named {
         Some(path) => read(path),
-        None => {
-            let platform = this_platform()?;
-            let file_name = platform.library_file_name();
-            let places = beside_program().into_iter();
-            first_of(
-                platform,
-                places.map(|folder| folder.join(file_name)).collect(),
-            )
-        }
+        None => beside(PLANT),
     }
 }
 
@@ -139,8 +140,27 @@ pub fn find(named: Option<&Path>) -> Result<Library, LibraryError> {
 /// # Errors
 /// [`LibraryError`] if one is missing or for another platform, or if two are for the same.
 pub fn select(platforms: &[Platform], named: &[PathBuf]) -> Result<Vec<Library>, LibraryError> {
+    select_called(PLANT, platforms, named)
+}
+
+/// The same for the libraries of an FMU around an FMU.
+///
+/// # Errors
+/// As [`select`].
+pub fn select_wrappers(
+    platforms: &[Platform],
+    named: &[PathBuf],
+) -> Result<Vec<Library>, LibraryError> {
+    select_called(WRAPPER, platforms, named)
+}
+
+fn select_called(
+    stem: &str,
+    platforms: &[Platform],
+    named: &[PathBuf],
+) -> Result<Vec<Library>, LibraryError> {
     if platforms.is_empty() && named.is_empty() {
-        return Ok(vec![find(None)?]);
+        return Ok(vec![beside(stem)?]);
     }
     let mut libraries: BTreeMap<Platform, Library> = BTreeMap::new();
     for path in named {
@@ -156,10 +176,21 @@ pub fn select(platforms: &[Platform], named: &[PathBuf]) -> Result<Vec<Library>,
     }
     for platform in platforms {
         if let Entry::Vacant(place) = libraries.entry(*platform) {
-            place.insert(prebuilt(*platform)?);
+            place.insert(prebuilt(*platform, stem)?);
         }
     }
     Ok(libraries.into_values().collect())
+}
+
+/// The library for this machine beside the running program.
+fn beside(stem: &str) -> Result<Library, LibraryError> {
+    let platform = this_platform()?;
+    let file_name = platform.library_file_name(stem);
+    let places = beside_program().into_iter();
+    first_of(
+        platform,
+        places.map(|folder| folder.join(&file_name)).collect(),
+    )
 }
 
 fn this_platform() -> Result<Platform, LibraryError> {
@@ -169,18 +200,18 @@ fn this_platform() -> Result<Platform, LibraryError> {
     })
 }
 
-fn prebuilt(platform: Platform) -> Result<Library, LibraryError> {
-    let file_name = platform.library_file_name();
+fn prebuilt(platform: Platform, stem: &str) -> Result<Library, LibraryError> {
+    let file_name = platform.library_file_name(stem);
     let mut looked_for = Vec::new();
     for folder in beside_program() {
         looked_for.push(
             folder
                 .join("platforms")
                 .join(platform.name())
-                .join(file_name),
+                .join(&file_name),
         );
         if Platform::current() == Some(platform) {
-            looked_for.push(folder.join(file_name));
+            looked_for.push(folder.join(&file_name));
         }
     }
     first_of(platform, looked_for)

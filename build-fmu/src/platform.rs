@@ -152,12 +152,12 @@ impl Platform {
         }
     }
 
-    /// File name that the build gives the library.
-    pub fn library_file_name(self) -> &'static str {
+    /// File name that the build gives the library of a crate whose library is called `stem`.
+    pub fn library_file_name(self, stem: &str) -> String {
         match self {
-            Platform::Linux64 | Platform::LinuxAarch64 => "libstickslip.so",
-            Platform::Windows64 => "stickslip.dll",
-            Platform::Darwin64 | Platform::DarwinAarch64 => "libstickslip.dylib",
+            Platform::Linux64 | Platform::LinuxAarch64 => format!("lib{stem}.so"),
+            Platform::Windows64 => format!("{stem}.dll"),
+            Platform::Darwin64 | Platform::DarwinAarch64 => format!("lib{stem}.dylib"),
         }
     }
 }

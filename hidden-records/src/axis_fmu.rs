@@ -1,5 +1,6 @@
 //! The axis as an FMU: compiled with rustc, packed with its description.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::Write as _;
@@ -81,21 +82,34 @@ fn binary_name() -> String {
 }
 
 fn description() -> String {
-    let mut text = String::from(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" modelName=\"Axis\" guid=\"{axis}\">\n\
-         <CoSimulation modelIdentifier=\"Axis\" canHandleVariableCommunicationStepSize=\"true\"/>\n<ModelVariables>\n",
+    let units: BTreeSet<&str> = VARIABLES.iter().map(|(_, _, unit, _)| *unit).collect();
+    let units: String = units
+        .iter()
+        .map(|unit| format!("<Unit name=\"{unit}\"/>"))
+        .collect();
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" modelName=\"Axis\" guid=\"{{axis}}\">\n\
+         <CoSimulation modelIdentifier=\"Axis\" canHandleVariableCommunicationStepSize=\"true\"/>\n\
+         <UnitDefinitions>{units}</UnitDefinitions>\n<ModelVariables>\n"
     );
     for (reference, (name, causality, unit, start)) in VARIABLES.iter().enumerate() {
-        let initial = if *causality == "output" {
-            " initial=\"exact\""
-        } else {
-            ""
+        let further = match *causality {
+            "output" => " initial=\"exact\"",
+            "parameter" => " variability=\"fixed\"",
+            _ => "",
         };
         let _ = writeln!(
             text,
-            "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\" causality=\"{causality}\"{initial}>\
+            "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\" causality=\"{causality}\"{further}>\
              <Real unit=\"{unit}\" start=\"{start}\"/></ScalarVariable>"
         );
     }
-    text + "</ModelVariables>\n<ModelStructure/>\n</fmiModelDescription>\n"
+    let outputs = (1..).zip(&VARIABLES);
+    let outputs: String = outputs
+        .filter(|(_, (_, causality, ..))| *causality == "output")
+        .map(|(index, _)| format!("<Unknown index=\"{index}\"/>"))
+        .collect();
+    text + &format!(
+        "</ModelVariables>\n<ModelStructure><Outputs>{outputs}</Outputs></ModelStructure>\n</fmiModelDescription>\n"
+    )
 }

@@ -52,6 +52,14 @@ impl Token {
         hash.text(model_toml);
         Self(hash.0)
     }
+
+    /// The token of what this text says in full.
+    #[must_use]
+    pub fn of_text(text: &str) -> Self {
+        let mut hash = Fnv128::new();
+        hash.text(text);
+        Self(hash.0)
+    }
 }
 
 impl fmt::Display for Token {

@@ -1,8 +1,8 @@
 //! Intervals of all values that an expression may take: a pole, a logarithm or a root of something that reaches zero is found
 //! before it runs.
 
-use super::program::{Operation, Program};
-use super::{ExpressionError, Names};
+use super::{ExpressionError, Names, Program};
+use operations::Operation;
 
 /// All values between two bounds, which may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,8 +103,8 @@ pub(super) fn check(program: &Program, names: &Names<'_>) -> Result<(), Expressi
                     range.maximum().unwrap_or(f64::INFINITY),
                 )
             }
-            Operation::Coordinate(coordinate) => {
-                if coordinate.is_positive() {
+            Operation::Coordinate(place) => {
+                if names.coordinate(*place).is_some_and(|own| own.is_positive) {
                     Interval::new(0.0, f64::INFINITY)
                 } else {
                     Interval::ALL

@@ -2,7 +2,22 @@
 
 use super::Dimension;
 
-/// What an equation may depend on.
+/// What an equation may depend on, whatever the plant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quantity {
+    /// Name in equations.
+    pub name: &'static str,
+    /// Where its value stands among those of all coordinates.
+    pub place: usize,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// Whether it is never below zero.
+    pub is_positive: bool,
+    /// Whether a force changes its rate at once: a jump there is dry friction, which can hold it.
+    pub is_rate: bool,
+}
+
+/// What an equation of a rig may depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinate {
     /// Angle of what the effect acts on [rad].
@@ -65,17 +80,24 @@ impl Coordinate {
         }
     }
 
-    pub(super) fn dimension(self) -> Dimension {
-        Dimension::of_unit(self.unit()).unwrap_or_default()
+    /// What equations need to know of it.
+    pub fn quantity(self) -> Quantity {
+        Quantity {
+            name: self.name(),
+            place: self as usize,
+            dimension: Dimension::of_unit(self.unit()).unwrap_or_default(),
+            is_positive: self.is_positive(),
+            is_rate: self.is_rate(),
+        }
     }
 
     /// Whether it is never below zero. Time is not among them: a simulation may start before zero.
-    pub(super) fn is_positive(self) -> bool {
+    fn is_positive(self) -> bool {
         self == Self::Load
     }
 
     /// Whether a torque changes its rate at once: a jump there is dry friction, which can hold it.
-    pub(super) fn is_rate(self) -> bool {
+    fn is_rate(self) -> bool {
         matches!(self, Self::Velocity | Self::TwistRate | Self::Current)
     }
 }

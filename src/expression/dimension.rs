@@ -1,9 +1,9 @@
 //! Physical dimensions, carried through an expression. Radians are pure numbers here: a torque times an angle is not another
 //! quantity than a torque.
 
-use super::program::{Operation, Program};
-use super::{ExpressionError, Names};
+use super::{ExpressionError, Names, Program};
 use crate::parameter::units::{BaseUnit, Unit, UnitError};
+use operations::Operation;
 use std::fmt;
 
 /// Exponents of kilogram, metre, second, ampere and kelvin.
@@ -103,7 +103,9 @@ pub(super) fn check(
         known.push(match operation {
             Operation::Number(_) => Dimension::NONE,
             Operation::Parameter(place) => names.parameters[*place].1,
-            Operation::Coordinate(coordinate) => coordinate.dimension(),
+            Operation::Coordinate(place) => names
+                .coordinate(*place)
+                .map_or(Dimension::NONE, |own| own.dimension),
             Operation::Add(a, b) => same(a, b, "a sum")?,
             Operation::Subtract(a, b) => same(a, b, "a difference")?,
             Operation::Minimum(a, b, _) => same(a, b, "min")?,

@@ -15,7 +15,7 @@ mod recurrence;
 mod table;
 
 pub(crate) use coordinate::COORDINATES;
-pub use coordinate::Coordinate;
+pub use coordinate::{Coordinate, Quantity};
 pub use dimension::Dimension;
 pub use error::ExpressionError;
 pub use parse::{FUNCTIONS, Names, parse};

@@ -1,9 +1,10 @@
 //! From text to a program: a recursive descent over sums, products, powers and calls.
 
-use super::coordinate::Coordinate;
-use super::program::{Operation, Program, SITES, Site};
+use super::coordinate::Quantity;
+use super::program::{Program, SITES, Site};
 use super::{Dimension, ExpressionError, Table, bounds, dimension};
 use crate::parameter::Range;
+use operations::Operation;
 
 /// Longest text of an equation, in characters.
 const LONGEST: usize = 1000;
@@ -24,11 +25,18 @@ pub struct Names<'a> {
     /// Parameters: name, dimension, range.
     pub parameters: &'a [(&'a str, Dimension, Range)],
     /// Coordinates of the port.
-    pub coordinates: &'a [Coordinate],
+    pub coordinates: &'a [Quantity],
     /// Tables that can be called.
     pub tables: &'a [Table],
     /// Dimension that the port takes, and its unit's name.
     pub result: (Dimension, &'a str),
+}
+
+impl Names<'_> {
+    /// The coordinate at this place.
+    pub(super) fn coordinate(&self, place: usize) -> Option<&Quantity> {
+        self.coordinates.iter().find(|own| own.place == place)
+    }
 }
 
 /// Reads an equation and checks units, poles and kinks through all of it.
@@ -89,15 +97,15 @@ pub fn parse(text: &str, names: &Names<'_>) -> Result<Program, ExpressionError> 
     }
     program.dimensions = dimensions;
     bounds::check(&program, names)?;
-    check_jumps(&program)?;
+    check_jumps(&program, names)?;
     Ok(program)
 }
 
 /// Refuses jumps over what a torque changes at once: the motion would stick there, and only a contact can.
-fn check_jumps(program: &Program) -> Result<(), ExpressionError> {
+fn check_jumps(program: &Program, names: &Names<'_>) -> Result<(), ExpressionError> {
     for (operation, &column) in program.operations.iter().zip(&program.columns) {
         if let Operation::Sign(argument, _) = operation
-            && depends_on_rate(program, *argument)
+            && depends_on_rate(program, *argument, names)
         {
             let reason = "sign jumps where its argument passes zero, and a motion that depends on a velocity or a current \
                           would stay there without an event; write velocity*abs(velocity) or tanh(velocity/width), or use \
@@ -108,12 +116,13 @@ fn check_jumps(program: &Program) -> Result<(), ExpressionError> {
     Ok(())
 }
 
-fn depends_on_rate(program: &Program, node: usize) -> bool {
+fn depends_on_rate(program: &Program, node: usize, names: &Names<'_>) -> bool {
     let operation = &program.operations[node];
-    matches!(operation, Operation::Coordinate(coordinate) if coordinate.is_rate())
+    let is_rate = |place| names.coordinate(place).is_some_and(|own| own.is_rate);
+    matches!(operation, Operation::Coordinate(place) if is_rate(*place))
         || operation
             .operands()
-            .any(|operand| depends_on_rate(program, operand))
+            .any(|operand| depends_on_rate(program, operand, names))
 }
 
 struct Parser<'a> {
@@ -374,8 +383,8 @@ impl Parser<'_> {
         {
             return self.add(Operation::Parameter(place), column);
         }
-        if let Some(coordinate) = names.coordinates.iter().find(|known| known.name() == name) {
-            return self.add(Operation::Coordinate(*coordinate), column);
+        if let Some(coordinate) = names.coordinates.iter().find(|known| known.name == name) {
+            return self.add(Operation::Coordinate(coordinate.place), column);
         }
         if name == "pi" {
             return self.add(Operation::Number(std::f64::consts::PI), column);
@@ -386,7 +395,7 @@ impl Parser<'_> {
         };
         let reason = format!(
             "nothing is called \"{name}\"; coordinates of this port: {}; parameters: {}; functions: {}",
-            list(names.coordinates.iter().map(|c| c.name()).collect()),
+            list(names.coordinates.iter().map(|c| c.name).collect()),
             list(names.parameters.iter().map(|(name, ..)| *name).collect()),
             FUNCTIONS.join(", ")
         );

@@ -1,98 +1,12 @@
 //! An equation as a list of operations, and the branches on which its kinks are.
 
-use super::coordinate::{COORDINATES, Coordinate};
+use super::coordinate::COORDINATES;
 use super::{Dimension, ExpressionError, Table};
 use crate::series::{Scalar, Series, TERMS};
+use operations::Operation;
 
 /// Most kinks of all equations of a rig together.
 pub const SITES: usize = 12;
-
-/// One step of a program; operands are places of earlier ones.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Operation {
-    /// A literal.
-    Number(f64),
-    /// The parameter at this place.
-    Parameter(usize),
-    /// What the equation depends on.
-    Coordinate(Coordinate),
-    /// a + b.
-    Add(usize, usize),
-    /// a − b.
-    Subtract(usize, usize),
-    /// a b.
-    Multiply(usize, usize),
-    /// a/b.
-    Divide(usize, usize),
-    /// −a.
-    Negate(usize),
-    /// a to the second, third or fourth power.
-    Power(usize, u32),
-    /// a^b for a > 0.
-    RealPower(usize, usize),
-    /// sin a.
-    Sine(usize),
-    /// cos a.
-    Cosine(usize),
-    /// exp a.
-    Exponential(usize),
-    /// ln a.
-    Logarithm(usize),
-    /// √a.
-    SquareRoot(usize),
-    /// tanh a.
-    HyperbolicTangent(usize),
-    /// |a|, with its site.
-    Absolute(usize, usize),
-    /// 1 for a ≥ 0, else −1, with its site.
-    Sign(usize, usize),
-    /// The smaller of two, with its site.
-    Minimum(usize, usize, usize),
-    /// The larger of two, with its site.
-    Maximum(usize, usize, usize),
-    /// A table's value at a: argument, table, site.
-    Table(usize, usize, usize),
-}
-
-impl Operation {
-    /// Places of what it works on.
-    pub(super) fn operands(&self) -> impl Iterator<Item = usize> + use<> {
-        let (a, b) = match *self {
-            Self::Number(_) | Self::Parameter(_) | Self::Coordinate(_) => (None, None),
-            Self::Add(a, b)
-            | Self::Subtract(a, b)
-            | Self::Multiply(a, b)
-            | Self::Divide(a, b)
-            | Self::RealPower(a, b)
-            | Self::Minimum(a, b, _)
-            | Self::Maximum(a, b, _) => (Some(a), Some(b)),
-            Self::Negate(a)
-            | Self::Power(a, _)
-            | Self::Sine(a)
-            | Self::Cosine(a)
-            | Self::Exponential(a)
-            | Self::Logarithm(a)
-            | Self::SquareRoot(a)
-            | Self::HyperbolicTangent(a)
-            | Self::Absolute(a, _)
-            | Self::Sign(a, _)
-            | Self::Table(a, _, _) => (Some(a), None),
-        };
-        a.into_iter().chain(b)
-    }
-
-    /// Its site, if it is not smooth.
-    fn site(&self) -> Option<usize> {
-        match *self {
-            Self::Absolute(_, site)
-            | Self::Sign(_, site)
-            | Self::Minimum(_, _, site)
-            | Self::Maximum(_, _, site)
-            | Self::Table(_, _, site) => Some(site),
-            _ => None,
-        }
-    }
-}
 
 /// A place where an equation is not smooth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,10 +65,10 @@ impl Site {
 }
 
 impl Program {
-    /// The equation times the current.
-    pub(crate) fn times_current(mut self) -> Self {
+    /// The equation times the coordinate at this place.
+    pub(crate) fn times_coordinate(mut self, place: usize) -> Self {
         let root = self.operations.len() - 1;
-        self.push(Operation::Coordinate(Coordinate::Current));
+        self.push(Operation::Coordinate(place));
         self.push(Operation::Multiply(root, root + 1));
         self
     }
@@ -217,9 +131,14 @@ impl Program {
         }
     }
 
-    /// Whether the equation depends on this coordinate.
-    pub fn uses(&self, coordinate: Coordinate) -> bool {
-        self.operations.contains(&Operation::Coordinate(coordinate))
+    /// The operations, the equation's value last.
+    pub fn operations(&self) -> &[Operation] {
+        &self.operations
+    }
+
+    /// Whether the equation depends on the coordinate at this place.
+    pub fn uses(&self, place: usize) -> bool {
+        self.operations.contains(&Operation::Coordinate(place))
     }
 
     /// The branches on which every site is at these values.

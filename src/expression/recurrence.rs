@@ -2,8 +2,9 @@
 
 use super::Program;
 use super::coordinate::COORDINATES;
-use super::program::{ExpressionJet, Operation};
+use super::program::ExpressionJet;
 use crate::series::{RECIPROCAL, Scalar, Series, convolution, cosine_sine, exponential};
+use operations::Operation;
 
 impl Program {
     /// Coefficient `k` of the operation at `node`, whose operands have theirs.
@@ -30,7 +31,7 @@ impl Program {
         y[k] = match self.operations[node] {
             Operation::Number(value) => at_first(S::constant(value)),
             Operation::Parameter(place) => at_first(parameters[place]),
-            Operation::Coordinate(coordinate) => coordinates[coordinate as usize],
+            Operation::Coordinate(place) => coordinates[place],
             Operation::Add(a, b) => x[a][k] + x[b][k],
             Operation::Subtract(a, b) => x[a][k] - x[b][k],
             Operation::Negate(a) => -x[a][k],

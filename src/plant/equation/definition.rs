@@ -2,7 +2,8 @@
 
 use super::Port;
 use crate::expression::{
-    Coordinate, Dimension, ExpressionError, Interpolation, Names, Program, Table, TableError, parse,
+    Coordinate, Dimension, ExpressionError, Interpolation, Names, Program, Quantity, Table,
+    TableError, parse,
 };
 use crate::parameter::{ParameterInfo, Range, units::UnitError};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -139,7 +140,7 @@ impl Definition {
 
     /// Whether the equation depends on this coordinate.
     pub fn uses(&self, coordinate: Coordinate) -> bool {
-        self.program.uses(coordinate)
+        self.program.uses(coordinate as usize)
     }
 
     pub(super) fn draft(&self) -> &Draft {
@@ -176,9 +177,15 @@ fn program(draft: &Draft) -> Result<Program, DefinitionError> {
         )?);
     }
     let unit = draft.port.unit();
+    let coordinates: Vec<Quantity> = draft
+        .port
+        .coordinates()
+        .iter()
+        .map(|own| own.quantity())
+        .collect();
     let names = Names {
         parameters: &parameters,
-        coordinates: draft.port.coordinates(),
+        coordinates: &coordinates,
         tables: &tables,
         result: (dimension("port", unit)?, unit),
     };
@@ -188,7 +195,7 @@ fn program(draft: &Draft) -> Result<Program, DefinitionError> {
     };
     let program = parse(&draft.equation, &names).map_err(equation)?;
     match draft.port {
-        Port::MotorResistance => Ok(program.times_current()),
+        Port::MotorResistance => Ok(program.times_coordinate(Coordinate::Current as usize)),
         Port::DiscFriction | Port::Disc1Friction => program.not_below_zero().map_err(equation),
         _ => Ok(program),
     }

@@ -131,7 +131,7 @@ impl<S: Scalar> EquationEffects<S> {
     /// Whether any that acts depends on time.
     pub fn depend_on_time(&self) -> bool {
         self.active()
-            .any(|effect| effect.definition.program().uses(Coordinate::Time))
+            .any(|effect| effect.definition.program().uses(Coordinate::Time as usize))
     }
 
     /// Makes an effect known, without switching it on.

@@ -1,6 +1,9 @@
 //! `stickslip build`: packs a model into FMUs.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
 
 use build_fmu::build::Source;
 use build_fmu::library;
@@ -8,6 +11,9 @@ use build_fmu::platform::{FmiVersion, Platform};
 use clap::{Args, ValueEnum};
 
 use crate::cli::Outcome;
+use crate::diagnose::small_plant::fmu::wrapper;
+use crate::diagnose::small_plant::model_file::{SmallModel, is_small_plant};
+use crate::diagnose::small_plant::unit::Kind;
 
 /// Packs a model.toml and the prebuilt library into FMUs.
 #[derive(Debug, Args)]
@@ -45,6 +51,9 @@ pub enum Version {
 /// # Errors
 /// Whatever is wrong with the model or the library.
 pub fn command(arguments: &BuildArguments) -> anyhow::Result<Outcome> {
+    if let Some(text) = small_plant(&arguments.model) {
+        return around(arguments, &text);
+    }
     let source = Source::read(&arguments.model)?;
     let libraries = library::select(&arguments.platforms, &arguments.libraries)?;
     let versions = match arguments.fmi {
@@ -62,6 +71,40 @@ pub fn command(arguments: &BuildArguments) -> anyhow::Result<Outcome> {
         if let Some(reason) = built.without_reference {
             println!("  without reference results: {reason}");
         }
+    }
+    Ok(Outcome::Done)
+}
+
+/// The text of a model file that describes a small plant.
+fn small_plant(file: &Path) -> Option<String> {
+    let text = fs::read_to_string(file).ok()?;
+    is_small_plant(&text).then_some(text)
+}
+
+/// Packs an FMU with the effects that its ports file has.
+fn around(arguments: &BuildArguments, text: &str) -> anyhow::Result<Outcome> {
+    let file = arguments.model.display().to_string();
+    let model = SmallModel::parse(text, &file)?;
+    if model.model.kind != Kind::Fmu {
+        bail!(
+            "{file}: [plant] kind = \"{}\" cannot be packed into an FMU so far; what can is a rig, a controller, or the ports file of \
+             an FMU (kind = \"fmu\")",
+            model.model.kind.word()
+        );
+    }
+    if arguments.fmi.is_some() {
+        bail!("{file}: an FMU with effects has the version of the one inside; leave --fmi out");
+    }
+    let libraries = library::select_wrappers(&arguments.platforms, &arguments.libraries)?;
+    let directory = arguments.model.parent().unwrap_or(Path::new(""));
+    let built = wrapper::build(&model, &file, directory, libraries, &arguments.out)?;
+    println!(
+        "{} ({} KiB)",
+        built.path.display(),
+        built.size.div_ceil(1024)
+    );
+    for name in built.left_out {
+        eprintln!("note: {name} is an effect of the readings; the FMU does not have it");
     }
     Ok(Outcome::Done)
 }

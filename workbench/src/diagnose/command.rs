@@ -214,7 +214,7 @@ pub fn diagnose_for(
     check_out(out)?;
     if material.is_of_small_plant() {
         let (outcome, screen) =
-            small_plant::run(material, Stage::All, out, &mut |what| tell(what))?;
+            small_plant::run(material, Stage::All, out, library, &mut |what| tell(what))?;
         return Ok(Diagnosed {
             outcome,
             screen,
@@ -243,7 +243,7 @@ pub fn diagnose_for(
 pub fn diagnose(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
     let material = arguments.case.material()?;
     if material.is_of_small_plant() {
-        return small(&material, Stage::All, &arguments.out);
+        return small(&material, Stage::All, arguments);
     }
     let library = library::find(arguments.library.as_deref())?;
     let session = Session::begin(&material, &arguments.out)?;
@@ -259,7 +259,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
     let material = arguments.case.material()?;
     if material.is_of_small_plant() {
-        return small(&material, Stage::Locate, &arguments.out);
+        return small(&material, Stage::Locate, arguments);
     }
     let session = Session::begin(&material, &arguments.out)?;
     let mut finding = located_finding(&session.case, &mut |what| session.progress.say(what))?;
@@ -275,7 +275,7 @@ pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 pub fn name(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
     let material = arguments.case.material()?;
     if material.is_of_small_plant() {
-        return small(&material, Stage::Name, &arguments.out);
+        return small(&material, Stage::Name, arguments);
     }
     let session = Session::begin(&material, &arguments.out)?;
     let finding = session.name()?;
@@ -291,7 +291,7 @@ pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
     let common = &arguments.common;
     let material = common.case.material()?;
     if material.is_of_small_plant() {
-        return small(&material, Stage::Amend(&arguments.effect), &common.out);
+        return small(&material, Stage::Amend(&arguments.effect), common);
     }
     let library = library::find(common.library.as_deref())?;
     let session = Session::begin(&material, &common.out)?;
@@ -322,7 +322,7 @@ pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
 pub fn show(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
     let material = arguments.case.material()?;
     if material.is_of_small_plant() {
-        return small(&material, Stage::Show, &arguments.out);
+        return small(&material, Stage::Show, arguments);
     }
     let library = library::find(arguments.library.as_deref())?;
     let session = Session::begin(&material, &arguments.out)?;
@@ -340,9 +340,16 @@ pub fn show(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 }
 
 /// A stage, or all, on a small plant.
-fn small(material: &Material, stage: Stage<'_>, out: &Path) -> anyhow::Result<Outcome> {
+fn small(
+    material: &Material,
+    stage: Stage<'_>,
+    common: &DiagnoseArguments,
+) -> anyhow::Result<Outcome> {
     let progress = Progress::new();
-    let (outcome, text) = small_plant::run(material, stage, out, &mut |what| progress.say(what))?;
+    let library = common.library.as_deref();
+    let (outcome, text) = small_plant::run(material, stage, &common.out, library, &mut |what| {
+        progress.say(what)
+    })?;
     progress.done();
     print!("{text}");
     Ok(outcome)

@@ -12,3 +12,14 @@ pub fn stickslip(arguments: &[&str]) -> (i32, String) {
         + &String::from_utf8_lossy(&output.stderr);
     (output.status.code().unwrap(), text)
 }
+
+/// The library of an FMU around an FMU, which lies beside the test binaries.
+#[allow(dead_code, reason = "not every test packs one")]
+pub fn wrapper_library() -> String {
+    let library = std::env::current_exe().unwrap().with_file_name(format!(
+        "{}stickslip_wrapper{}",
+        std::env::consts::DLL_PREFIX,
+        std::env::consts::DLL_SUFFIX
+    ));
+    library.to_str().unwrap().to_owned()
+}

@@ -7,12 +7,13 @@ mod common;
 mod plant;
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use workbench::component;
 use workbench::diagnose::finding::VerdictName;
 use workbench::diagnose::small_plant::finding::SmallFinding;
 
-use crate::common::stickslip;
+use crate::common::{stickslip, wrapper_library};
 use crate::plant::{Hidden, PORTS, record, write_fmu};
 
 struct Place {
@@ -61,6 +62,8 @@ impl Place {
             &held_out,
             "--out",
             &out,
+            "--library",
+            &wrapper_library(),
         ])
     }
 
@@ -81,6 +84,25 @@ impl Place {
     }
 }
 
+/// How far an FMU of the axis turns in 4 s at 3 V [rad], with these variables set before.
+fn turned(fmu: &Path, settings: &[(&str, f64)]) -> f64 {
+    let mut component = component::open(fmu).unwrap();
+    let place = |name: &str| component::position(&*component, name).unwrap();
+    let mut values = vec![(place("voltage"), 3.0)];
+    values.extend(settings.iter().map(|(name, value)| (place(name), *value)));
+    let phi = place("phi");
+    component.set(&values).unwrap();
+    component.initialise(0.0, 4.0).unwrap();
+    for step in 0..40 {
+        component
+            .step(f64::from(step) * 0.1, f64::from(step + 1) * 0.1)
+            .unwrap();
+    }
+    let mut angle = [0.0];
+    component.get(&[phi], &mut angle).unwrap();
+    angle[0]
+}
+
 fn names(found: &SmallFinding) -> Vec<&str> {
     let effects = found.finding.effects.iter();
     effects.map(|effect| effect.name.as_str()).collect()
@@ -99,6 +121,14 @@ fn dry_friction_of_the_real_axis_is_named_and_its_amended_model_lacks_nothing() 
         steps[1].held_out.rmse < 0.2 * steps[0].held_out.rmse,
         "{steps:?}"
     );
+    let wrapped = place.file("out").join("axis.amended.fmu");
+    // The hidden friction inside the axis, and the found one around it.
+    let inside = turned(
+        &wrapped,
+        &[("friction", 0.08), ("effects.coulomb_friction.force", 0.0)],
+    );
+    let around = turned(&wrapped, &[]);
+    assert!((around / inside - 1.0).abs() < 0.02, "{around} {inside}");
     let amended = fs::read_to_string(place.file("out").join("model.amended.toml")).unwrap();
     fs::write(place.file("ports.toml"), amended).unwrap();
     let again = place.diagnosed();

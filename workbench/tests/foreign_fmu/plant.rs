@@ -3,6 +3,7 @@
 //! The maker of blind cases packs the same source. No crate depends on the maker, so that nothing of it can leak into the diagnosis: what
 //! both do stands here again.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::Write as _;
@@ -90,20 +91,28 @@ pub fn write_fmu(path: &Path, starts: &[(&str, f64)]) {
     for (reference, (name, causality, unit, start)) in VARIABLES.iter().enumerate() {
         let own = starts.iter().find(|(own, _)| own == name);
         let start = own.map_or(*start, |(_, value)| *value);
-        let initial = if *causality == "output" {
-            " initial=\"exact\""
-        } else {
-            ""
+        let further = match *causality {
+            "output" => " initial=\"exact\"",
+            "parameter" => " variability=\"fixed\"",
+            _ => "",
         };
         let _ = writeln!(
             variables,
-            "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\" causality=\"{causality}\"{initial}>\
+            "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\" causality=\"{causality}\"{further}>\
              <Real unit=\"{unit}\" start=\"{start}\"/></ScalarVariable>"
         );
     }
+    let units: BTreeSet<&str> = VARIABLES.iter().map(|(_, _, unit, _)| *unit).collect();
+    let units: String = units
+        .iter()
+        .map(|unit| format!("<Unit name=\"{unit}\"/>"))
+        .collect();
     let description = format!(
         "<?xml version=\"1.0\"?>\n<fmiModelDescription fmiVersion=\"2.0\" modelName=\"Axis\" guid=\"{{1}}\">\
-         <CoSimulation modelIdentifier=\"Axis\"/><ModelVariables>\n{variables}</ModelVariables><ModelStructure/></fmiModelDescription>\n"
+         <CoSimulation modelIdentifier=\"Axis\" canHandleVariableCommunicationStepSize=\"true\"/>\
+         <UnitDefinitions>{units}</UnitDefinitions><ModelVariables>\n{variables}</ModelVariables>\
+         <ModelStructure><Outputs><Unknown index=\"3\"/><Unknown index=\"4\"/></Outputs></ModelStructure>\
+         </fmiModelDescription>\n"
     );
     let system = match std::env::consts::OS {
         "macos" => "darwin",

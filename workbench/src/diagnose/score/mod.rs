@@ -282,7 +282,7 @@ fn diagnosed(
     };
     let material = arguments.material()?;
     if material.is_of_small_plant() {
-        small_plant::run(&material, Stage::All, &task.out, &mut |what| {
+        small_plant::run(&material, Stage::All, &task.out, None, &mut |what| {
             tell(Step::Within(what));
         })?;
         return Ok(Finding::read(&task.out)?);

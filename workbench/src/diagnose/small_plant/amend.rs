@@ -221,6 +221,12 @@ pub fn amended_text(case: &SmallCase, found: &SmallFinding) -> Result<String, St
             .collect();
         amended.model = amended.model.with(entry, values?);
     }
+    if let (Some(ports), Some(chased)) = (&mut amended.ports, &case.chased) {
+        let known = case.records.iter().find_map(|own| own.pursuit.as_ref());
+        ports.port.inertia = known.map(|known| known.sense * known.inertia);
+        // A step that a person chose stays.
+        ports.port.coupling_step.get_or_insert(chased.step());
+    }
     let terms = amended.model.terms().to_vec();
     for (at, term) in terms.iter().enumerate() {
         for (j, parameter) in term.entry.parameters.iter().enumerate() {

@@ -33,6 +33,7 @@ pub const DRIVE: Entry = Entry {
             "constant force, such as an amplifier's offset",
         ),
     ],
+    equation: None,
     force: |p, s, _| p[0] * s.acceleration + p[1] * s.velocity + p[2],
     starts: &[],
 };
@@ -62,6 +63,7 @@ pub const PENDULUM: Entry = Entry {
             "viscous drag over moment of inertia",
         ),
     ],
+    equation: None,
     force: |p, s, _| p[0] * (s.position - p[1]).sin() + p[2] * s.velocity,
     starts: &[],
 };
@@ -96,6 +98,7 @@ pub const CONTACT: Entry = Entry {
             "speed over which it falls from one to the other by 63 %",
         ),
     ],
+    equation: None,
     force: |p, s, _| (p[0] + (p[1] - p[0]) * (-s.velocity.abs() / p[2]).exp()) * s.direction,
     starts: &[],
 };
@@ -116,6 +119,7 @@ pub const BALANCE: Entry = Entry {
         Range::Positive,
         "measured over predicted force; 1 where both have the same unit and the model is right",
     )],
+    equation: None,
     force: |p, s, _| p[0] * s.predicted,
     starts: &[],
 };
@@ -134,6 +138,7 @@ pub fn of_fmu(parameters: Vec<Parameter>) -> &'static Entry {
         needs_load: false,
         role: Role::Added,
         parameters: Vec::leak(parameters),
+        equation: None,
         force: |p, s, _| {
             let sum: f64 = p
                 .iter()

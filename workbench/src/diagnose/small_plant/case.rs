@@ -220,10 +220,10 @@ pub fn load(
         notes: chased
             .iter()
             .flat_map(|chased| chased.plant.notes.clone())
-            .chain([
+            .chain(chased.is_none().then(|| {
                 "no FMU was built: the library's rigs do not include such a plant; model.amended.toml is the amended model"
-                    .to_owned(),
-            ])
+                    .to_owned()
+            }))
             .collect(),
         chased,
     };

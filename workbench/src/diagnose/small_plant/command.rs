@@ -4,12 +4,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, anyhow};
+use build_fmu::library;
 
 use super::amend::{amended_text, described, named};
 use super::case::{SmallCase, check_effect, load};
 use super::catalogue::entry;
 use super::console::screen;
 use super::finding::SmallFinding;
+use super::fmu::wrapper;
 use super::model::Model;
 use super::model_file::SmallModel;
 use super::naming::{Naming, candidates, fit_base, fit_with, name as name_effects, shows};
@@ -41,7 +43,8 @@ pub enum Stage<'a> {
     Show,
 }
 
-/// Runs a stage; the screen's text comes with its outcome.
+/// Runs a stage; the screen's text comes with its outcome. `library` is for the FMU with the effects, where the plant is an FMU;
+/// without it the one beside this program is.
 ///
 /// # Errors
 /// Whatever is wrong with the input; the exit code is then 2.
@@ -49,10 +52,19 @@ pub fn run(
     material: &Material,
     stage: Stage<'_>,
     out: &Path,
+    library: Option<&Path>,
     progress: &mut dyn FnMut(&str),
 ) -> anyhow::Result<(Outcome, String)> {
     let begun = Instant::now();
+    let amends = matches!(stage, Stage::All | Stage::Amend(_));
     let mut case = load(material, progress)?;
+    // Before minutes pass: is there what the amended FMU needs?
+    let mut libraries = if amends && case.chased.is_some() {
+        let named: Vec<_> = library.map(Path::to_owned).into_iter().collect();
+        library::select_wrappers(&[], &named)?
+    } else {
+        Vec::new()
+    };
     let mut found = match stage {
         Stage::All | Stage::Name => named_finding(&mut case, progress)?,
         Stage::Locate => located(&case, progress),
@@ -60,9 +72,23 @@ pub fn run(
         Stage::Amend(_) | Stage::Show => SmallFinding::read(out)?,
     };
     let mut text = String::new();
-    if matches!(stage, Stage::All | Stage::Amend(_)) {
+    if amends {
         text = amended_text(&case, &found).map_err(|what| anyhow!(what))?;
         atomic::write_file(&out.join(AMENDED), text.as_bytes())?;
+        if !libraries.is_empty() {
+            progress("the FMU with the effects");
+            let libraries = std::mem::take(&mut libraries);
+            let amended = SmallModel::parse(&text, AMENDED)?;
+            let wrapped = wrapper::build(&amended, AMENDED, out, libraries, out)?;
+            found
+                .finding
+                .notes
+                .extend(wrapped.left_out.iter().map(|name| {
+                format!(
+                    "{name} is an effect of the readings; the FMU with the effects does not have it"
+                )
+            }));
+        }
     }
     if stage == Stage::Show {
         let path = out.join(AMENDED);

@@ -15,6 +15,7 @@ pub mod columns;
 pub mod command;
 pub mod console;
 pub mod eccentricity;
+pub mod equation;
 pub mod evidence;
 pub mod filter;
 pub mod finding;

@@ -49,6 +49,8 @@ pub struct Pursuit {
     pub nominal: Vec<f64>,
     /// Inertia at the port [kg or kg m²].
     pub inertia: f64,
+    /// 1 where a positive input at the port pushes forward, −1 where it pushes backward.
+    pub sense: f64,
     /// How the inertia grows with each uncertain parameter.
     pub inertia_slopes: Vec<f64>,
     /// By how much it falls as the motion is read later [N/s or N m/s].

@@ -91,6 +91,9 @@ pub struct Entry {
     pub role: Role,
     /// Its parameters.
     pub parameters: &'static [Parameter],
+    /// Its force as an equation over position, velocity, acceleration, direction, time, friction of the others, load and predicted
+    /// force; `None` where it is no force or none that an equation can give.
+    pub equation: Option<&'static str>,
     /// Its force.
     pub force: Force,
     /// Values from which a fit starts, in units of each parameter's usual size.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::plant::{Plant, PlantError};
-use super::pursuit::Pursuit;
+use super::pursuit::{Pursuit, substeps};
 use super::worker::{self, WorkerError};
 use crate::diagnose::small_plant::motion::{Motion, Pursuit as Known};
 
@@ -51,6 +51,17 @@ pub struct Chased {
     pub cut_off: f64,
     /// Speed below which the plant counts as standing [m/s or rad/s].
     pub standstill: f64,
+}
+
+impl Chased {
+    /// The shortest step in which the FMU runs after a record [s].
+    #[must_use]
+    pub fn step(&self) -> f64 {
+        let steps = self.records.iter();
+        steps
+            .map(|own| substeps(own.motion.interval, self.cut_off).1)
+            .fold(f64::INFINITY, f64::min)
+    }
 }
 
 impl Chased {
@@ -108,7 +119,7 @@ impl Chased {
         .collect()
     }
 
-    /// The FMU's pursuit of a record, with the force against the motion that it lacks and the inertia without its sign.
+    /// The FMU's pursuit of a record, with the force against the motion that it lacks.
     fn pursuit(
         &self,
         record: &Recorded,
@@ -120,7 +131,6 @@ impl Chased {
         let against = -pursuit.inertia.signum();
         Ok(Pursuit {
             force: pursuit.force.iter().map(|force| against * force).collect(),
-            inertia: pursuit.inertia.abs(),
             ..pursuit
         })
     }
@@ -166,7 +176,7 @@ fn moved(
     let slopes: Vec<Vec<f64>> = sized()
         .map(|(moved, size)| slope(own, moved, *size))
         .collect();
-    let grown = |(moved, size): (&Pursuit, &f64)| (moved.inertia - own.inertia) / size;
+    let grown = |(moved, size): (&Pursuit, &f64)| (moved.inertia.abs() - own.inertia.abs()) / size;
     let here = |at: usize| -> f64 {
         let pairs = parameters.iter().zip(&slopes);
         pairs.map(|(value, slope)| value * slope[at]).sum()
@@ -175,7 +185,8 @@ fn moved(
         at: parameters.to_vec(),
         at_delay: delay,
         nominal: (0..motion.len()).map(here).collect(),
-        inertia: own.inertia,
+        inertia: own.inertia.abs(),
+        sense: own.inertia.signum(),
         inertia_slopes: sized().map(grown).collect(),
         // To both sides: noise of a difference to one side goes against that of the force, and a little of it would pass for a delay.
         delayed: slope(earlier, later, 2.0 * motion.interval),

@@ -3,7 +3,7 @@
 //! [`pursuit`] runs the FMU after a record: a controller at the port pushes it along the measured motion, so that friction sticks and
 //! slips in the FMU when it does in the record, and no state has to be known or set. The controller's force is the missing one;
 //! [`missing`] makes it a balance of forces, which the same search explains as any other. Each run is a process of its own
-//! ([`worker`]): an FMU that crashes or hangs takes nothing down.
+//! ([`worker`]): an FMU that crashes or hangs takes nothing down. [`wrapper`] makes the FMU with the effects inside.
 
 pub mod missing;
 pub mod plant;
@@ -11,3 +11,5 @@ pub mod ports;
 pub mod pursuit;
 pub mod template;
 pub mod worker;
+pub mod wrapper;
+mod wrapper_description;

@@ -180,6 +180,31 @@ impl Plant {
             .map(|(_, input, _)| input.column.as_str())
     }
 
+    /// The port's input: its place among the variables, and what one of its unit is in SI units.
+    #[must_use]
+    pub fn port(&self) -> (usize, f64) {
+        self.port
+    }
+
+    /// The output of the position at the port, likewise.
+    #[must_use]
+    pub fn position(&self) -> Option<(usize, f64)> {
+        self.position
+    }
+
+    /// The output of the velocity at the port, likewise.
+    #[must_use]
+    pub fn velocity(&self) -> Option<(usize, f64)> {
+        self.velocity
+    }
+
+    /// The uncertain parameters' places among the variables, with the values that `model` gives them.
+    pub fn settings(&self, model: &SmallModel) -> impl Iterator<Item = (usize, f64)> {
+        let base = model.model.terms().first().map(|term| term.values.clone());
+        let places = self.parameters.iter().map(|(at, _)| *at);
+        places.zip(base.unwrap_or_default())
+    }
+
     /// Standard deviations of the uncertain parameters.
     pub fn deviations(&self) -> impl Iterator<Item = f64> {
         self.parameters.iter().map(|(_, deviation)| *deviation)

@@ -29,6 +29,10 @@ pub struct Port {
     pub position: Option<String>,
     /// Output: velocity where it acts.
     pub velocity: Option<String>,
+    /// Inertia that the input moves at once [kg or kg m²], as `diagnose` found it; negative where a positive input pushes backward.
+    pub inertia: Option<f64>,
+    /// The longest step over which an added effect's force is constant [s].
+    pub coupling_step: Option<f64>,
 }
 
 /// An input that a column drives.
@@ -81,6 +85,15 @@ impl Ports {
         for (key, output) in coordinates {
             if let Some(output) = output {
                 let _ = writeln!(text, "{key} = {output:?}");
+            }
+        }
+        let numbers = [
+            ("inertia", self.port.inertia),
+            ("coupling_step", self.port.coupling_step),
+        ];
+        for (key, number) in numbers {
+            if let Some(number) = number {
+                let _ = writeln!(text, "{key} = {number:?}");
             }
         }
         text.push_str("\n[inputs]\n");

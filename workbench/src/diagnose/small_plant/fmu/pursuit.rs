@@ -168,6 +168,15 @@ fn between(position: [f64; 2], velocity: [f64; 2], interval: f64, part: f64) -> 
     }
 }
 
+/// How many steps an interval [s] between samples is cut into where forces are looked at below `cut_off` [Hz], and their length [s].
+#[must_use]
+pub fn substeps(interval: f64, cut_off: f64) -> (usize, f64) {
+    let count = (interval * TAU * BANDWIDTH * cut_off / STEP)
+        .ceil()
+        .max(1.0);
+    (count as usize, interval / count)
+}
+
 /// A controller and what it controls.
 struct Chase<'a> {
     component: &'a mut dyn Component,
@@ -189,16 +198,15 @@ struct Moved {
 
 impl<'a> Chase<'a> {
     fn new(component: &'a mut dyn Component, pursued: &'a Pursued) -> Self {
-        let bandwidth = TAU * BANDWIDTH * pursued.cut_off;
-        let substeps = (pursued.interval * bandwidth / STEP).ceil().max(1.0) as usize;
+        let (substeps, step) = substeps(pursued.interval, pursued.cut_off);
         let outputs = [pursued.position, pursued.velocity];
         Self {
             component,
             pursued,
             outputs: outputs.iter().flatten().map(|(at, _)| *at).collect(),
-            bandwidth,
+            bandwidth: TAU * BANDWIDTH * pursued.cut_off,
             substeps,
-            step: pursued.interval / substeps as f64,
+            step,
             is_begun: false,
         }
     }

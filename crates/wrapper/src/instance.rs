@@ -1,0 +1,541 @@
+//! An instance: the original, the values of the variables that it does not have, and the steps with the effects' force.
+
+use std::ffi::{CString, c_int};
+
+use operations::{AddedEffect, Coupling, Moment, Settings, value};
+
+use crate::original::{ERROR, Handle, Original, Stepped, is_good};
+
+/// Most times that a step is taken again, and the change of the force over the largest so far at which it is not.
+const MOST_REPEATS: usize = 4;
+const SAME: f64 = 1e-9;
+/// Share of the first step after which an original that cannot go back shows how it moves.
+const GLIMPSE: f64 = 1e-3;
+
+/// What an instance has beside the original.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Own {
+    /// Parameters of every effect.
+    parameters: Vec<Vec<f64>>,
+    /// The longest step with a constant force [s].
+    coupling_step: f64,
+    /// The port's input as the importer set it, in its unit.
+    input: f64,
+    /// Start of the run [s].
+    start: f64,
+    /// Force of the effects along the motion in the last step [N or N m].
+    force: f64,
+    /// The largest so far.
+    largest: f64,
+    /// Acceleration that all other forces gave in the last step [m/s² or rad/s²].
+    free: f64,
+    /// Position and velocity at the end of the last step; `None` before the first.
+    ended: Option<(f64, f64)>,
+    /// Mean velocity over the last step, where only the position is read.
+    mean: Option<f64>,
+}
+
+/// Numbers of an [`Own`] beside the parameters.
+const NUMBERS: usize = 9;
+
+impl Own {
+    fn new(settings: &Settings) -> Self {
+        let starts = |effect: &AddedEffect| effect.parameters.iter().map(|own| own.start).collect();
+        Self {
+            parameters: settings.effects.iter().map(starts).collect(),
+            coupling_step: settings.coupling_step.start,
+            input: settings.port.start,
+            start: 0.0,
+            force: 0.0,
+            largest: 0.0,
+            free: 0.0,
+            ended: None,
+            mean: None,
+        }
+    }
+
+    /// As numbers, always the same count of them.
+    fn numbers(&self) -> Vec<f64> {
+        let (position, velocity) = self.ended.unwrap_or((f64::NAN, f64::NAN));
+        let mut numbers = vec![
+            self.coupling_step,
+            self.input,
+            self.start,
+            self.force,
+            self.largest,
+            self.free,
+            position,
+            velocity,
+            self.mean.unwrap_or(f64::NAN),
+        ];
+        numbers.extend(self.parameters.iter().flatten());
+        numbers
+    }
+
+    /// From [`Own::numbers`].
+    fn take(&mut self, numbers: &[f64]) -> Option<()> {
+        let (own, mut rest) = numbers.split_at_checked(NUMBERS)?;
+        let known = |value: f64| (!value.is_nan()).then_some(value);
+        self.coupling_step = own[0];
+        self.input = own[1];
+        self.start = own[2];
+        self.force = own[3];
+        self.largest = own[4];
+        self.free = own[5];
+        self.ended = known(own[6]).zip(known(own[7]));
+        self.mean = known(own[8]);
+        for parameters in &mut self.parameters {
+            let (mine, others) = rest.split_at_checked(parameters.len())?;
+            parameters.copy_from_slice(mine);
+            rest = others;
+        }
+        Some(())
+    }
+}
+
+/// A state that the importer holds.
+pub struct Saved {
+    /// That of the original.
+    pub original: Handle,
+    own: Own,
+}
+
+/// Why a call is refused.
+pub struct Refused {
+    /// Status for the importer.
+    pub status: c_int,
+    /// Why, where the original has not said so itself.
+    pub reason: Option<String>,
+}
+
+impl Refused {
+    /// An error of the wrapper's own.
+    pub fn error(reason: impl Into<String>) -> Self {
+        Self {
+            status: ERROR,
+            reason: Some(reason.into()),
+        }
+    }
+
+    /// A status of the original.
+    pub fn original(status: c_int) -> Self {
+        Self {
+            status,
+            reason: None,
+        }
+    }
+}
+
+/// Who hears of refusals.
+pub trait Log: Send {
+    /// Says it.
+    fn say(&self, status: c_int, message: &CString);
+}
+
+/// An instance.
+pub struct Instance {
+    /// The original.
+    pub original: Original,
+    settings: Settings,
+    own: Own,
+    /// State before a step, where the original can save it.
+    before: Handle,
+    steps: Vec<f64>,
+    log: Box<dyn Log>,
+}
+
+// SAFETY: the saved state moves with its instance.
+unsafe impl Send for Instance {}
+
+impl Instance {
+    /// An instance around a new one of the original.
+    pub fn new(original: Original, settings: Settings, log: Box<dyn Log>) -> Self {
+        let instance = Self {
+            original,
+            own: Own::new(&settings),
+            settings,
+            before: std::ptr::null_mut(),
+            steps: Vec::new(),
+            log,
+        };
+        instance.begin();
+        instance
+    }
+
+    /// Gives the original the start values that this FMU has instead of its own.
+    fn begin(&self) {
+        for &(reference, value) in &self.settings.starts {
+            let status = self.original.set(&[reference], &[value]);
+            if !is_good(status) {
+                let reason = format!(
+                    "the original refuses {value} for the variable with value reference {reference}"
+                );
+                self.refuse(
+                    "start values",
+                    &Refused {
+                        status,
+                        reason: Some(reason),
+                    },
+                );
+            }
+        }
+    }
+
+    /// Tells the importer why a call of `function` is refused; the status to return.
+    pub fn refuse(&self, function: &str, refused: &Refused) -> c_int {
+        if let Some(reason) = &refused.reason {
+            let message = format!("{function}: {reason}").replace('\0', " ");
+            self.log
+                .say(refused.status, &CString::new(message).unwrap_or_default());
+        }
+        refused.status
+    }
+
+    /// Notes the start of the run [s].
+    pub fn starts(&mut self, time: f64) {
+        self.own.start = time;
+    }
+
+    /// Goes back to before the set-up, once the original is there.
+    pub fn reset(&mut self) {
+        self.original.forget(&mut self.before);
+        self.own = Own::new(&self.settings);
+        self.begin();
+    }
+
+    fn place(&mut self, reference: u32) -> Option<(&str, &mut f64)> {
+        let step = &self.settings.coupling_step;
+        if step.reference == reference {
+            return Some((&step.name, &mut self.own.coupling_step));
+        }
+        let effects = self.settings.effects.iter().zip(&mut self.own.parameters);
+        for (effect, values) in effects {
+            for (own, value) in effect.parameters.iter().zip(values) {
+                if own.reference == reference {
+                    return Some((&own.name, value));
+                }
+            }
+        }
+        None
+    }
+
+    /// Whether the original has none of these variables, or has the port's input, which the effects share.
+    pub fn has_own(&mut self, references: &[u32]) -> bool {
+        let (input, force) = (self.settings.port.input.0, self.settings.force);
+        references
+            .iter()
+            .any(|&own| own == input || own == force || self.place(own).is_some())
+    }
+
+    /// Sets scalar reals, some of them the original's.
+    ///
+    /// # Errors
+    /// A value that cannot be, or a status of the original.
+    pub fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refused> {
+        let step = self.settings.coupling_step.reference;
+        for (&reference, &value) in references.iter().zip(values) {
+            if reference == self.settings.force {
+                return Err(Refused::error(
+                    "the force of the effects is computed and can never be set",
+                ));
+            }
+            if let Some((name, place)) = self.place(reference) {
+                if !value.is_finite() || (reference == step && value <= 0.0) {
+                    let right = if reference == step {
+                        "finite and above 0"
+                    } else {
+                        "finite"
+                    };
+                    return Err(Refused::error(format!("{name} = {value} must be {right}")));
+                }
+                *place = value;
+                continue;
+            }
+            let status = self.original.set(&[reference], &[value]);
+            if !is_good(status) {
+                return Err(Refused::original(status));
+            }
+            if reference == self.settings.port.input.0 {
+                self.own.input = value;
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads scalar reals, some of them not the original's.
+    ///
+    /// # Errors
+    /// A status of the original.
+    pub fn reals(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Refused> {
+        for (&reference, value) in references.iter().zip(values) {
+            *value = if reference == self.settings.force {
+                self.in_port(self.own.force)
+            } else if reference == self.settings.port.input.0 {
+                self.own.input
+            } else if let Some((_, own)) = self.place(reference) {
+                *own
+            } else {
+                self.original.get(reference).map_err(Refused::original)?
+            };
+        }
+        Ok(())
+    }
+
+    /// Saves the state; `old` is one to be written over.
+    ///
+    /// # Errors
+    /// The original cannot, or refuses.
+    pub fn save(&mut self, old: Option<&mut Saved>) -> Result<Option<Saved>, Refused> {
+        let cannot = || Refused::error("the original cannot save its state");
+        let mut state = old
+            .as_ref()
+            .map_or(std::ptr::null_mut(), |old| old.original);
+        let status = self.original.save(&mut state).ok_or_else(cannot)?;
+        if !is_good(status) {
+            return Err(Refused::original(status));
+        }
+        let saved = Saved {
+            original: state,
+            own: self.own.clone(),
+        };
+        match old {
+            Some(old) => {
+                *old = saved;
+                Ok(None)
+            }
+            None => Ok(Some(saved)),
+        }
+    }
+
+    /// Goes back to a saved state.
+    ///
+    /// # Errors
+    /// A status of the original.
+    pub fn restore(&mut self, saved: &Saved) -> Result<(), Refused> {
+        let status = self.original.restore(saved.original);
+        if !is_good(status) {
+            return Err(Refused::original(status));
+        }
+        self.own.clone_from(&saved.own);
+        Ok(())
+    }
+
+    /// Bytes that a serialised state has beside the original's.
+    pub fn own_size(&self) -> usize {
+        8 * self.own.numbers().len()
+    }
+
+    /// Those bytes of `saved`.
+    pub fn own_bytes(saved: &Saved) -> Vec<u8> {
+        let numbers = saved.own.numbers();
+        numbers.iter().flat_map(|own| own.to_le_bytes()).collect()
+    }
+
+    /// A state from those bytes and the original's state.
+    ///
+    /// # Errors
+    /// The bytes are not of this FMU.
+    pub fn deserialized(&self, bytes: &[u8], original: Handle) -> Result<Saved, Refused> {
+        let numbers: Vec<f64> = bytes
+            .as_chunks::<8>()
+            .0
+            .iter()
+            .map(|own| f64::from_le_bytes(*own))
+            .collect();
+        let mut own = self.own.clone();
+        own.take(&numbers)
+            .ok_or_else(|| Refused::error("the serialized state is not one of this FMU"))?;
+        Ok(Saved { original, own })
+    }
+
+    /// A force along the motion [N or N m] as the port's input takes it.
+    fn in_port(&self, force: f64) -> f64 {
+        let port = &self.settings.port;
+        force * port.inertia.signum() / port.input.1
+    }
+
+    /// Position and velocity now, with the velocity over the last step of this length [s] where it is not read.
+    fn motion(&mut self, length: f64) -> Result<(f64, f64), Refused> {
+        let port = &self.settings.port;
+        let read = |output: Option<(u32, f64)>| {
+            let read =
+                output.map(|(reference, unit)| self.original.get(reference).map(|v| v * unit));
+            read.transpose().map_err(Refused::original)
+        };
+        let (position, velocity) = (read(port.position)?, read(port.velocity)?);
+        let ended = self.own.ended;
+        Ok(match (position, velocity) {
+            (Some(position), Some(velocity)) => (position, velocity),
+            (None, velocity) => {
+                let velocity = velocity.unwrap_or(0.0);
+                let gone = ended.map_or(0.0, |(from, before)| {
+                    from + 0.5 * length * (before + velocity)
+                });
+                (gone, velocity)
+            }
+            (Some(position), None) => {
+                let Some((from, _)) = ended else {
+                    return Ok((position, 0.0));
+                };
+                // The mean over a step is the velocity in its middle; half a step more brings it to the end.
+                let mean = (position - from) / length;
+                let change = self.own.mean.map_or(0.0, |before| mean - before);
+                self.own.mean = Some(mean);
+                (position, mean + 0.5 * change)
+            }
+        })
+    }
+
+    /// Steps the original from `from` over `length` [s] with the effects' force.
+    ///
+    /// # Errors
+    /// A status of the original.
+    pub fn step(&mut self, from: f64, length: f64) -> Result<Stepped, Refused> {
+        if !(length > 0.0 && (from + length).is_finite()) {
+            return Err(Refused::error(format!(
+                "a step of {length} s from {from} s must be finite and above 0"
+            )));
+        }
+        // Rounding of the quotient must not make one step more.
+        let count = (length / self.own.coupling_step * (1.0 - 1e-9))
+            .ceil()
+            .max(1.0);
+        let part = length / count;
+        let mut at = from;
+        if self.own.ended.is_none() {
+            self.own.ended = Some(self.motion(part)?);
+            if self.settings.can_vary_steps && !self.settings.can_restore {
+                // A glimpse at how the original moves, before the first force has to fit that.
+                let glimpse = GLIMPSE * part;
+                let stepped = self.coupled(from, glimpse)?;
+                if stepped.ends {
+                    return Ok(stepped);
+                }
+                at = from + glimpse;
+            }
+        }
+        let mut place = 0.0;
+        while place < count {
+            place += 1.0;
+            let to = if place == count {
+                from + length
+            } else {
+                from + place * part
+            };
+            let stepped = self.coupled(at, to - at)?;
+            if stepped.ends || place == count {
+                return Ok(stepped);
+            }
+            at = to;
+        }
+        Err(Refused::error("no step was taken"))
+    }
+
+    /// One step with a constant force; where the original can go back, again until the force fits the motion that it gives.
+    fn coupled(&mut self, from: f64, length: f64) -> Result<Stepped, Refused> {
+        let begun = (self.own.ended.unwrap_or_default(), self.own.mean);
+        let can_go_back = match self.original.save(&mut self.before) {
+            Some(status) if !is_good(status) => return Err(Refused::original(status)),
+            saved => saved.is_some(),
+        };
+        let mut force = self.force(from, length, begun.0);
+        let mut stepped = self.pushed(from, length, force, begun, can_go_back)?;
+        for _ in 0..MOST_REPEATS {
+            if !can_go_back || stepped.ends {
+                break;
+            }
+            let better = self.force(from, length, begun.0);
+            if (better - force).abs() <= SAME * self.own.largest {
+                break;
+            }
+            let status = self.original.restore(self.before);
+            if !is_good(status) {
+                return Err(Refused::original(status));
+            }
+            force = better;
+            stepped = self.pushed(from, length, force, begun, true)?;
+        }
+        Ok(stepped)
+    }
+
+    /// The effects' force over a step from this position and velocity.
+    fn force(&mut self, from: f64, length: f64, (position, velocity): (f64, f64)) -> f64 {
+        let moment = Moment {
+            time: from - self.own.start,
+            position,
+            velocity,
+            acceleration: self.own.free,
+            direction: velocity.signum(),
+        };
+        let (effects, own, steps) = (&self.settings.effects, &self.own, &mut self.steps);
+        let mut coupling = Coupling {
+            against: |at: &Moment| against(effects, &own.parameters, at, steps),
+            inertia: self.settings.port.inertia.abs(),
+        };
+        coupling.force(&moment, length, own.free, own.force)
+    }
+
+    /// Steps the original under this force, and learns from the motion that it gives which acceleration all others gave.
+    fn pushed(
+        &mut self,
+        from: f64,
+        length: f64,
+        force: f64,
+        (ended, mean): ((f64, f64), Option<f64>),
+        may_go_back: bool,
+    ) -> Result<Stepped, Refused> {
+        let input = self.own.input + self.in_port(force);
+        if !input.is_finite() {
+            let reason = format!("at t = {from} s the effects' force is not finite");
+            return Err(Refused::error(reason));
+        }
+        let status = self.original.set(&[self.settings.port.input.0], &[input]);
+        if !is_good(status) {
+            return Err(Refused::original(status));
+        }
+        let stepped = self.original.step(from, length, may_go_back);
+        if !is_good(stepped.status) {
+            return Err(Refused::original(stepped.status));
+        }
+        (self.own.ended, self.own.mean) = (Some(ended), mean);
+        let (position, velocity) = self.motion(length)?;
+        self.own.free = (velocity - ended.1) / length - force / self.settings.port.inertia.abs();
+        self.own.force = force;
+        self.own.largest = self.own.largest.max(force.abs());
+        self.own.ended = Some((position, velocity));
+        Ok(stepped)
+    }
+}
+
+/// What the effects oppose to the motion at a moment, each on top of the friction of those before it.
+fn against(
+    effects: &[AddedEffect],
+    parameters: &[Vec<f64>],
+    at: &Moment,
+    steps: &mut Vec<f64>,
+) -> f64 {
+    let mut friction = 0.0;
+    let mut sum = 0.0;
+    for (effect, parameters) in effects.iter().zip(parameters) {
+        let coordinates = [
+            at.position,
+            at.velocity,
+            at.acceleration,
+            at.direction,
+            at.time,
+            friction,
+        ];
+        let own = value(&effect.operations, parameters, &coordinates, steps);
+        sum += own;
+        if effect.is_friction {
+            friction += own;
+        }
+    }
+    sum
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        self.original.forget(&mut self.before);
+    }
+}
