@@ -34,6 +34,23 @@ fn angle_and_velocity_are_those_of_the_moment_before() {
 }
 
 #[test]
+fn before_the_first_reading_the_sensors_show_the_start() {
+    let component = lagging();
+    let start = [("u", 3.1), ("N2", 0.0), ("theta", 2.0), ("theta_dot", 3.0)];
+    let mut instance = component.start(Fmi3, &start);
+    for time in [0.0, 0.02, DELAY - 0.001] {
+        if time > 0.0 {
+            instance.run(0.001, time);
+        }
+        let shown = (instance.get("theta"), instance.get("theta_dot"));
+        assert_eq!(shown, (2.0, 3.0), "at {time} s");
+    }
+    instance.run(0.001, DELAY + 0.01);
+    let (angle, expected) = (instance.get("theta"), 2.0 + 0.01 * 3.0);
+    assert!((angle - expected).abs() < 1e-2 && angle > 2.02, "{angle}");
+}
+
+#[test]
 fn the_past_is_part_of_a_saved_state_and_survives_a_cut_segment() {
     let component = lagging();
     let mut instance = component.start(Fmi2, &CASE);

@@ -1,6 +1,6 @@
 //! Loads a library before it is packed: every symbol of the standard, the version it answers, the token it accepts.
 //!
-//! This is one of the two places with unsafe code: it calls foreign functions as an importer does.
+//! Unsafe as the FMUs of `component` are: it calls foreign functions as an importer does.
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};

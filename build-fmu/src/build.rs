@@ -16,6 +16,7 @@ use crate::model_description::{
     DateError, Facts, SOURCE_DATE_EPOCH, XmlError, generation_date, model_description,
 };
 use crate::platform::{FmiVersion, Platform};
+use crate::reference::write::{self, Files, WriteError};
 
 /// Why an FMU could not be built.
 #[derive(Debug, Error)]
@@ -51,6 +52,9 @@ pub enum BuildError {
     /// The library must not be packed.
     #[error(transparent)]
     Binary(#[from] BinaryError),
+    /// The reference run that was asked for cannot be made.
+    #[error(transparent)]
+    Reference(#[from] WriteError),
     /// The content could not be made.
     #[error(transparent)]
     Contents(#[from] ContentsError),
@@ -69,6 +73,16 @@ pub struct Source {
     model: Box<dyn CoSimulationModel>,
     token: String,
     generated: Option<String>,
+    reference: Reference,
+}
+
+/// What is packed for checking an import.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reference {
+    /// A run with held inputs and its results; the values of some inputs, by name.
+    Run(Vec<(String, f64)>),
+    /// Nothing.
+    LeftOut,
 }
 
 /// An FMU that was written.
@@ -80,6 +94,8 @@ pub struct Built {
     pub size: usize,
     /// The version of the standard that it follows.
     pub version: FmiVersion,
+    /// Why there are no reference results in it, where none could be had.
+    pub without_reference: Option<String>,
 }
 
 impl Source {
@@ -118,7 +134,13 @@ impl Source {
             model,
             token,
             generated,
+            reference: Reference::Run(Vec::new()),
         })
+    }
+
+    /// Chooses the reference run inside the FMUs; without a choice all inputs hold values by rule.
+    pub fn set_reference(&mut self, reference: Reference) {
+        self.reference = reference;
     }
 
     /// What the XML is written from.
@@ -168,6 +190,15 @@ impl Source {
         libraries: &[Library],
         version: FmiVersion,
     ) -> Result<Vec<u8>, BuildError> {
+        Ok(self.pack(libraries, version)?.0)
+    }
+
+    /// The bytes of the FMU, and why it has no reference results where none could be had.
+    fn pack(
+        &self,
+        libraries: &[Library],
+        version: FmiVersion,
+    ) -> Result<(Vec<u8>, Option<String>), BuildError> {
         let facts = self.facts();
         let resources = [(MODEL_FILE.to_owned(), self.text.clone().into_bytes())];
         let expectation = Expectation {
@@ -182,7 +213,28 @@ impl Source {
                 binary_check::check_headers(library, version)?;
             }
         }
-        Ok(contents(&facts, version, libraries, &self.text, &self.parsed)?.to_bytes()?)
+        let (references, without) = self.references()?;
+        let files = contents(
+            &facts,
+            version,
+            libraries,
+            &self.text,
+            &self.parsed,
+            &references,
+        )?;
+        Ok((files.to_bytes()?, without))
+    }
+
+    /// Files of the reference run, or why there is none. A model that fails under inputs that nobody chose may be sound.
+    fn references(&self) -> Result<(Files, Option<String>), BuildError> {
+        let Reference::Run(held) = &self.reference else {
+            return Ok((Vec::new(), None));
+        };
+        match write::files(&self.facts(), &self.text, held) {
+            Ok(files) => Ok((files, None)),
+            Err(error) if held.is_empty() => Ok((Vec::new(), Some(error.to_string()))),
+            Err(error) => Err(error.into()),
+        }
     }
 
     /// Checks the libraries, packs the FMU and writes it into `folder`, whole or not at all.
@@ -195,13 +247,14 @@ impl Source {
         version: FmiVersion,
         folder: &Path,
     ) -> Result<Built, BuildError> {
-        let bytes = self.to_bytes(libraries, version)?;
+        let (bytes, without_reference) = self.pack(libraries, version)?;
         let path = folder.join(self.fmu_file_name(version));
         write_atomically(&path, &bytes)?;
         Ok(Built {
             path,
             size: bytes.len(),
             version,
+            without_reference,
         })
     }
 }

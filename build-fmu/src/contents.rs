@@ -34,7 +34,8 @@ pub enum ContentsError {
     Archive(#[from] ArchiveError),
 }
 
-/// All files of the FMU, `model_toml` being the resource as text and `model` the same parsed.
+/// All files of the FMU, `model_toml` being the resource as text, `model` the same parsed and `references` the files of the
+/// reference run.
 ///
 /// # Errors
 /// [`ContentsError`] if one of the files cannot be made.
@@ -44,15 +45,19 @@ pub fn contents(
     libraries: &[Library],
     model_toml: &str,
     model: &toml::Table,
+    references: &[(String, String)],
 ) -> Result<Archive, ContentsError> {
     let mut archive = Archive::default();
     archive.add("modelDescription.xml", model_description(facts, version)?)?;
     archive.add(&format!("resources/{MODEL_FILE}"), model_toml)?;
     archive.add(
         "documentation/index.html",
-        documentation::page(facts, model),
+        documentation::page(facts, model, references),
     )?;
     archive.add("documentation/sbom.cdx.json", BILL_OF_MATERIALS)?;
+    for (name, content) in references {
+        archive.add(name, content.as_str())?;
+    }
     for library in libraries {
         let binary = format!(
             "binaries/{}/{}.{}",

@@ -2,7 +2,8 @@
 //!
 //! The order of things: [`model_description`] writes the XML from the one variable table,
 //! [`binary_check`] loads the library and makes it accept the model, [`contents`] lays out the
-//! folders, [`archive`] zips them reproducibly, [`build`] does all of it. [`ssp`] packs several connected components. [`lint`] checks any FMU.
+//! folders, [`archive`] zips them reproducibly, [`build`] does all of it. [`ssp`] packs several connected components. [`lint`] checks any FMU, and
+//! [`component`] runs one.
 
 pub mod archive;
 pub mod binary_check;
@@ -10,6 +11,7 @@ pub mod binary_error;
 pub mod binary_header;
 pub mod build;
 pub mod cli;
+pub mod component;
 pub mod contents;
 pub mod documentation;
 pub mod explain;
@@ -18,6 +20,7 @@ pub mod library;
 pub mod lint;
 pub mod model_description;
 pub mod platform;
+pub mod reference;
 pub mod ssp;
 pub mod symbols;
 pub mod zip_directory;

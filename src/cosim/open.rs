@@ -15,10 +15,6 @@ pub const MODEL_FILE: &str = "model.toml";
 /// # Errors
 /// The text is not a complete and consistent description; the message names file, key and value.
 pub fn open(text: &str, file_name: &str) -> Result<Box<dyn CoSimulationModel>, ModelError> {
-    #[cfg(test)]
-    if let Some(model) = super::test_model::open(text) {
-        return Ok(Box::new(model));
-    }
     let table_error = |error| ModelError(format!("{file_name}: {error}"));
     if is_controller(text) {
         let law = ControlLaw::from_toml(text, file_name).map_err(ModelError::from_display)?;

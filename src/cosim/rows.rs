@@ -3,11 +3,6 @@
 use super::variables::{Causality, Initial, Variability, Variable, VariableType};
 use crate::parameter::{Parameter, Range};
 
-/// Parameters that are built in: they stay as they are while the component runs. The others wear, warm
-/// up, are adjusted or are calibrated while it runs, hence tunable.
-const BUILT_IN_SECTIONS: &[&str] = &["disc", "disc1", "gearbox", "backlash", "sensor_delay"];
-const BUILT_IN_KEYS: &[&str] = &["inertia", "inductance", "radius", "order", "seed"];
-
 /// A continuous real variable without start value.
 pub(super) fn row(name: &str, causality: Causality, unit: &str, description: &str) -> Variable {
     Variable {
@@ -46,10 +41,8 @@ pub(super) fn input(name: &str, unit: &str, nominal: f64, description: &str) -> 
 /// A parameter that starts with its value in `model.toml`.
 pub(super) fn parameter_row(parameter: &Parameter, start: Option<f64>) -> Variable {
     let info = &parameter.info;
-    let built_in =
-        BUILT_IN_SECTIONS.contains(&parameter.section) || BUILT_IN_KEYS.contains(&info.key);
     Variable {
-        variability: if built_in {
+        variability: if info.built_in {
             Variability::Fixed
         } else {
             Variability::Tunable

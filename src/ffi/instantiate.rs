@@ -6,7 +6,7 @@ use super::log::{Callback, Log};
 use super::own_folder;
 use super::resource;
 use super::status::Status;
-use crate::cosim::{CoSimulationModel, MODEL_FILE, open, open_for_exchange};
+use crate::cosim::{CoSimulationModel, MODEL_FILE, ModelError};
 use std::ffi::{CStr, CString, c_void};
 use std::fs::File;
 use std::io::Read;
@@ -17,14 +17,16 @@ use std::ptr;
 /// Largest `model.toml` that is read [bytes].
 const MODEL_FILE_LIMIT: u64 = 1 << 20;
 
+/// From the text of a model file and its name to the model.
+pub(super) type Open = fn(&str, &str) -> Result<Box<dyn CoSimulationModel>, ModelError>;
+
 /// What both standards pass to an instantiation.
 pub(super) struct Request<'a> {
     pub(super) function: &'static str,
+    pub(super) open: Open,
     pub(super) instance_name: Option<&'a CStr>,
     pub(super) token: Option<&'a CStr>,
     pub(super) resources: Option<&'a CStr>,
-    /// Whether the importer brings the solver.
-    pub(super) exchange: bool,
     pub(super) logging_on: bool,
     pub(super) environment: *mut c_void,
     pub(super) callback: Callback,
@@ -117,12 +119,8 @@ fn open_model(
 ) -> Result<Box<dyn CoSimulationModel>, String> {
     let file = folder.join(MODEL_FILE);
     let text = read(&file)?;
-    let open = if request.exchange {
-        open_for_exchange
-    } else {
-        open
-    };
-    let model = open(&text, &file.to_string_lossy()).map_err(|error| error.to_string())?;
+    let model =
+        (request.open)(&text, &file.to_string_lossy()).map_err(|error| error.to_string())?;
     let expected = model.token().to_string();
     if token.to_bytes() != expected.as_bytes() {
         return Err(format!(

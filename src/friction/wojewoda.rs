@@ -2,7 +2,7 @@
 
 use super::random_function::{HARMONICS, RandomFunction};
 use super::stribeck::{self, Stribeck};
-use crate::parameter::{Range, section};
+use crate::parameter::{BUILT_IN, Range, section};
 use crate::series::{Scalar, Series, TERMS, cosine_sine};
 
 section! {
@@ -22,7 +22,7 @@ section! {
         /// Angle over which the random part stays correlated
         correlation_angle: "rad", Range::Positive;
         /// Number of the random function: the same seed gives the same friction
-        seed: "1", Range::NonNegative;
+        seed: "1", Range::NonNegative, BUILT_IN;
     }
 }
 

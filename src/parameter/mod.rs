@@ -78,7 +78,12 @@ pub struct ParameterInfo {
     pub range: Range,
     /// One line for people.
     pub description: &'static str,
+    /// Whether it stays as it is while the component runs. The others wear, warm up, are adjusted or are calibrated.
+    pub built_in: bool,
 }
+
+/// Mark of a parameter that stays as it is while the component runs, for declarations.
+pub(crate) const BUILT_IN: bool = true;
 
 /// A value outside what its parameter allows, or a pair of values that contradict each other.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -125,7 +130,7 @@ macro_rules! section {
     (
         $(#[$outer:meta])*
         pub struct $name:ident {
-            $( $(#[doc = $doc:literal])+ $field:ident : $unit:literal, $range:expr; )*
+            $( $(#[doc = $doc:literal])+ $field:ident : $unit:literal, $range:expr $(, $built_in:expr)?; )*
         }
     ) => {
         $(#[$outer])*
@@ -142,6 +147,7 @@ macro_rules! section {
                     unit: $unit,
                     range: $range,
                     description: concat!($($doc),+),
+                    built_in: [$($built_in,)? false][0],
                 }, )*
             ];
 

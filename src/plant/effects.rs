@@ -1,6 +1,6 @@
 //! Physical effects beyond the nominal rig, each a section of `model.toml`; absent means off.
 
-use crate::parameter::{ParameterInfo, Range, Section, section};
+use crate::parameter::{BUILT_IN, ParameterInfo, Range, Section, section};
 use crate::series::Scalar;
 
 section! {
@@ -83,7 +83,7 @@ section! {
     /// Play in the shaft's coupling: no torque within a dead band.
     pub struct Backlash {
         /// Full width of the dead band
-        gap: "rad", Range::NonNegative;
+        gap: "rad", Range::NonNegative, BUILT_IN;
     }
 }
 
@@ -93,7 +93,7 @@ section! {
         /// Amplitude T, on the motor's side
         torque: "N.m", Range::Finite;
         /// Cycles n per turn of the motor
-        order: "1", Range::Positive;
+        order: "1", Range::Positive, BUILT_IN;
         /// Phase φ
         phase: "rad", Range::Finite;
     }
@@ -158,7 +158,7 @@ section! {
         /// Time over which the fluctuation stays correlated
         correlation_time: "s", Range::Positive;
         /// Number of the random function: the same seed gives the same fluctuation
-        seed: "1", Range::NonNegative;
+        seed: "1", Range::NonNegative, BUILT_IN;
     }
 }
 
@@ -166,7 +166,7 @@ section! {
     /// Disc sensors that lag: what is read is the angle and velocity `delay` earlier.
     pub struct SensorDelay {
         /// Lag of the disc's channels
-        delay: "s", Range::Between(0.0, 1.0);
+        delay: "s", Range::Between(0.0, 1.0), BUILT_IN;
     }
 }
 

@@ -1,12 +1,12 @@
 //! The parts of a rig and their parameters.
 
-use crate::parameter::{Range, section};
+use crate::parameter::{BUILT_IN, Range, section};
 
 section! {
     /// A rigid disc.
     pub struct Disc {
         /// Moment of inertia of the disc
-        inertia: "kg.m2", Range::Positive;
+        inertia: "kg.m2", Range::Positive, BUILT_IN;
     }
 }
 
@@ -24,7 +24,7 @@ section! {
     /// The gearbox between motor and shaft.
     pub struct Gearbox {
         /// Motor speed over output speed
-        ratio: "1", Range::Positive;
+        ratio: "1", Range::Positive, BUILT_IN;
     }
 }
 
@@ -32,11 +32,11 @@ section! {
     /// The DC motor, quantities on the motor's own shaft.
     pub struct Motor {
         /// Moment of inertia of the rotor
-        inertia: "kg.m2", Range::Positive;
+        inertia: "kg.m2", Range::Positive, BUILT_IN;
         /// Armature resistance
         resistance: "Ohm", Range::Positive;
         /// Armature inductance
-        inductance: "H", Range::Positive;
+        inductance: "H", Range::Positive, BUILT_IN;
         /// Torque constant
         torque_constant: "N.m/A", Range::NonNegative;
         /// Back-EMF constant
@@ -52,6 +52,6 @@ section! {
     /// Where the pin touches the disc.
     pub struct ContactRadius {
         /// Distance from the pin to the axis of rotation
-        radius: "m", Range::Positive;
+        radius: "m", Range::Positive, BUILT_IN;
     }
 }

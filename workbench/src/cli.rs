@@ -129,9 +129,10 @@ Then: stickslip diagnose --model plant.fmu --ports ports.toml --records run-a.cs
     #[command(after_help = "Example: stickslip build rig.toml --out fmus
          stickslip build rig.toml --platform linux64 --platform win64 --out fmus")]
     Build(BuildArguments),
-    /// FMUs with inputs, reference results and options of the FMI Cross-Check.
+    /// FMUs with inputs, reference results and options of the FMI Cross-Check; any FMU against the results that it holds.
     #[command(
-        after_help = "Example: stickslip cross-check rig.toml --speed-rpm 55 --normal-force 50 --out cross-check"
+        after_help = "Example: stickslip cross-check rig.toml --speed-rpm 55 --normal-force 50 --out cross-check
+         stickslip cross-check Foreign.fmu --out cross-check"
     )]
     CrossCheck(CrossCheckArguments),
     /// The dissertation's computations, with the published numbers beside ours.

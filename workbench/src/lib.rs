@@ -13,7 +13,6 @@ pub mod build;
 pub mod calibrate;
 pub mod cli;
 pub mod closed_loop;
-pub mod component;
 pub mod cross_check;
 pub mod diagnose;
 pub mod experiment;
@@ -24,3 +23,5 @@ pub mod map;
 pub mod oscillator;
 pub mod plot;
 pub mod simulate;
+
+pub use build_fmu::component;

@@ -164,6 +164,18 @@ fn each_mistake_is_named_once_with_its_remedy() {
             &["--duration 0.001", "0.01 s or more"],
         ),
         (
+            "cross-check rig.toml --normal-force 50".to_owned(),
+            &["--speed-rpm RPM", "needed for a rig"],
+        ),
+        (
+            "cross-check text.fmu --normal-force 50".to_owned(),
+            &["--normal-force", "its own experiment"],
+        ),
+        (
+            "cross-check text.fmu".to_owned(),
+            &["text.fmu is not a zip archive"],
+        ),
+        (
             format!("cross-check soft.toml {drive}"),
             &["soft.toml", "needs a rig"],
         ),

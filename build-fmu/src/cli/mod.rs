@@ -5,12 +5,12 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use crate::archive::write_atomically;
-use crate::build::Source;
+use crate::build::{Reference, Source};
 use crate::explain::explain;
 use crate::library;
 use crate::lint::{self, Loading, Package};
 use crate::platform::{FmiVersion, Platform};
-use crate::ssp::{self, System};
+use crate::ssp::{self, SspVersion, System};
 use anyhow::Context;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -47,6 +47,12 @@ struct Arguments {
     fmi: Option<Version>,
     #[command(flatten)]
     binaries: Binaries,
+    /// Value that an input holds in the reference run inside the FMU; may be repeated [default: a share of its nominal].
+    #[arg(long, value_name = "NAME=VALUE", value_parser = start_value, conflicts_with = "no_reference")]
+    stimulus: Vec<(String, f64)>,
+    /// Leave out the reference run, by which users of the FMU can check its import.
+    #[arg(long)]
+    no_reference: bool,
     /// Print modelDescription.xml instead of building an FMU; needs --fmi.
     #[arg(long, requires = "fmi", conflicts_with_all = ["out", "write_xml"])]
     print_xml: bool,
@@ -68,7 +74,7 @@ enum Command {
         #[arg(long)]
         no_load: bool,
     },
-    /// Pack models with their connections, or a single one, into a system structure archive (SSP 1.0).
+    /// Pack models with their connections, or a single one, into a system structure archive (SSP).
     #[command(
         after_help = "Example:\n  build-fmu ssp modelDescription/reduced-rig.toml \
                             modelDescription/soft-torque.toml --start omega_ref=5.76 --start N2=50 --out out\n\
@@ -97,9 +103,12 @@ struct SystemArguments {
     /// libcosim cannot read them.
     #[arg(long)]
     expose: bool,
-    /// Version of the FMUs; SSP 1.0 was written for FMI 2.
+    /// Version of the FMUs.
     #[arg(long, value_enum, value_name = "VERSION", default_value = "2")]
     fmi: Version,
+    /// Version of the archive's own standard: 1 is read by more programs, 2 knows the types of FMI 3.
+    #[arg(long, value_enum, value_name = "VERSION", default_value = "1")]
+    ssp: ArchiveVersion,
     #[command(flatten)]
     binaries: Binaries,
     /// Folder for the archive; made if it is missing.
@@ -149,6 +158,23 @@ impl From<Version> for FmiVersion {
     }
 }
 
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum ArchiveVersion {
+    #[value(name = "1")]
+    One,
+    #[value(name = "2")]
+    Two,
+}
+
+impl From<ArchiveVersion> for SspVersion {
+    fn from(version: ArchiveVersion) -> Self {
+        match version {
+            ArchiveVersion::One => SspVersion::One,
+            ArchiveVersion::Two => SspVersion::Two,
+        }
+    }
+}
+
 /// The program: `arguments` are its name and those of the command line; returns the exit code. Usage that is wrong or asks for
 /// help ends the process.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
@@ -187,7 +213,7 @@ fn check(fmus: &[PathBuf], no_load: bool) -> anyhow::Result<bool> {
     };
     let mut clean = true;
     for path in fmus {
-        let findings = lint::check(&Package::open(path)?, loading);
+        let lint::Report { findings, notes } = lint::report(&Package::open(path)?, loading);
         clean &= findings.is_empty();
         match findings.len() {
             0 => println!("{}: nothing found", path.display()),
@@ -195,6 +221,9 @@ fn check(fmus: &[PathBuf], no_load: bool) -> anyhow::Result<bool> {
         }
         for finding in findings {
             println!("  {finding}");
+        }
+        for note in notes {
+            println!("  {note}");
         }
     }
     Ok(clean)
@@ -214,14 +243,25 @@ fn pack_system(arguments: &SystemArguments) -> anyhow::Result<()> {
         system.expose();
     }
     let libraries = library::select(&arguments.binaries.platforms, &arguments.binaries.libraries)?;
-    let path = ssp::build(&system, &libraries, arguments.fmi.into(), &arguments.out)?;
+    let path = ssp::build(
+        &system,
+        &libraries,
+        arguments.fmi.into(),
+        arguments.ssp.into(),
+        &arguments.out,
+    )?;
     println!("{}", path.display());
     Ok(())
 }
 
 fn build(arguments: &Arguments) -> anyhow::Result<()> {
     let model = arguments.model.as_deref().context("name a model.toml")?;
-    let source = Source::read(model)?;
+    let mut source = Source::read(model)?;
+    source.set_reference(if arguments.no_reference {
+        Reference::LeftOut
+    } else {
+        Reference::Run(arguments.stimulus.clone())
+    });
     let versions = match arguments.fmi {
         Some(version) => vec![FmiVersion::from(version)],
         None => FmiVersion::ALL.to_vec(),
@@ -252,6 +292,9 @@ fn build(arguments: &Arguments) -> anyhow::Result<()> {
             built.path.display(),
             built.size.div_ceil(1024)
         );
+        if let Some(reason) = built.without_reference {
+            println!("  without reference results: {reason}");
+        }
     }
     Ok(())
 }

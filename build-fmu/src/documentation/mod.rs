@@ -10,6 +10,7 @@ use std::fmt::Write;
 use stickslip::cosim::{Causality, Variable};
 
 use crate::model_description::Facts;
+use crate::reference::write::PAGE;
 use equations::{Equations, MISPRINTS};
 use mathml::{equation, escape};
 
@@ -20,10 +21,15 @@ th{background:#eef2f6}td.n{text-align:right;font-variant-numeric:tabular-nums}\
 code{background:#eef2f6;padding:0 .2rem}math{margin:.4rem 0}small{color:#5b6875}\
 @media(prefers-color-scheme:dark){body{background:#151b22;color:#dbe3ea}th,code{background:#232d38}th,td{border-color:#3a4652}}";
 
-/// The page for a model: `facts` as in the XML, `model_toml` the resource with sources and status of its values.
-pub fn page(facts: &Facts<'_>, model_toml: &toml::Table) -> String {
+/// The page for a model: `facts` as in the XML, `model_toml` the resource with sources and status of its values, `references`
+/// the files of the reference run by their names.
+pub fn page(
+    facts: &Facts<'_>,
+    model_toml: &toml::Table,
+    references: &[(String, String)],
+) -> String {
     let name = facts.identity.model_identifier;
-    let sections = match controller::equations(model_toml) {
+    let mut sections = match controller::equations(model_toml) {
         Some(law) => vec![
             introduction(facts),
             controller::signs(),
@@ -42,6 +48,9 @@ pub fn page(facts: &Facts<'_>, model_toml: &toml::Table) -> String {
             usage(facts),
         ],
     };
+    if references.iter().any(|(name, _)| name == PAGE) {
+        sections.push(reference_run());
+    }
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n\
          <style>{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n{}\n</body>\n</html>\n",
@@ -56,6 +65,14 @@ fn introduction(facts: &Facts<'_>) -> String {
         escape(facts.identity.description),
         env!("CARGO_PKG_VERSION"),
         escape(facts.token)
+    )
+}
+
+fn reference_run() -> String {
+    format!(
+        "<h2>Checking an import</h2>\n<p>The FMU holds a run with its inputs and results: \
+         <a href=\"{}\">{PAGE}</a>.</p>",
+        PAGE.trim_start_matches("documentation/")
     )
 }
 

@@ -90,6 +90,11 @@ impl Description {
         walk.finish()
     }
 
+    /// The variable of this name.
+    pub(super) fn variable(&self, name: &str) -> Option<&Variable> {
+        self.variables.get(self.index.variable(name)?)
+    }
+
     /// Whether a variable has this name.
     pub(super) fn has_variable(&self, name: &str) -> bool {
         self.index.variable(name).is_some()

@@ -55,6 +55,10 @@ pub enum Rule {
     Symbols,
     /// The library does not instantiate with the token of the model description.
     Instantiation,
+    /// A manifest of a layered standard, or an experiment that it names, does not keep to its format.
+    LayeredStandard,
+    /// The FMU does not give the reference results that it holds.
+    ReferenceResults,
 }
 
 impl Rule {
@@ -86,6 +90,8 @@ impl Rule {
             Rule::BinaryPlatform => "binary-platform",
             Rule::Symbols => "symbols",
             Rule::Instantiation => "instantiation",
+            Rule::LayeredStandard => "layered-standard",
+            Rule::ReferenceResults => "reference-results",
         }
     }
 }

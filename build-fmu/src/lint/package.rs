@@ -46,6 +46,7 @@ pub enum OpenError {
 /// An opened FMU.
 #[derive(Debug)]
 pub struct Package {
+    path: PathBuf,
     archive: ZipArchive<Arc<File>>,
     pub(super) directory: Vec<DirectoryEntry>,
     files: BTreeSet<String>,
@@ -89,10 +90,16 @@ impl Package {
             .filter(|name| !name.ends_with('/'))
             .collect();
         Ok(Self {
+            path: path.to_owned(),
             archive,
             directory,
             files,
         })
+    }
+
+    /// Where the FMU lies.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Whether there is a file of this name.

@@ -14,7 +14,7 @@ pub use facts::Facts;
 pub use quantity::{QuantityType, quantity_type};
 pub use terminals::terminals_and_icons;
 pub use xml::XmlError;
-pub(crate) use xml::{Attributes, Document};
+pub(crate) use xml::{Attributes, Document, number};
 
 use crate::platform::FmiVersion;
 

@@ -1,7 +1,8 @@
-//! `SystemStructure.ssd` of SSP 1.0.
+//! `SystemStructure.ssd` of SSP 1.0 and 2.0, which share their namespaces.
 
 use stickslip::cosim::{Causality, Variable, VariableType};
 
+use super::SspVersion;
 use super::system::System;
 use crate::model_description::{Attributes, Document, XmlError};
 use crate::platform::FmiVersion;
@@ -13,14 +14,32 @@ const OMS_NAMESPACE: &str =
 /// Communication step [s] of connected components: the stiffest loop of ours needs it (docs/closed-loop.md).
 const LOOP_STEP: f64 = 0.0005;
 
+/// What depends on the versions of both standards.
+#[derive(Clone, Copy)]
+struct Versions {
+    fmi: FmiVersion,
+    ssp: SspVersion,
+}
+
+impl Versions {
+    /// Name of the elements for real numbers: FMI 3's own type is one of SSP 2.0 only.
+    fn real(self) -> &'static str {
+        match (self.fmi, self.ssp) {
+            (FmiVersion::Fmi3, SspVersion::Two) => "Float64",
+            _ => "Real",
+        }
+    }
+}
+
 /// The description of a system whose components are FMUs of this version.
-pub(super) fn write(system: &System, version: FmiVersion) -> Result<String, XmlError> {
+pub(super) fn write(system: &System, fmi: FmiVersion, ssp: SspVersion) -> Result<String, XmlError> {
+    let versions = Versions { fmi, ssp };
     let root = Attributes::new()
         .text("xmlns:ssd", format!("{NAMESPACE}Description"))
         .text("xmlns:ssc", format!("{NAMESPACE}Common"))
         .text("xmlns:ssv", format!("{NAMESPACE}ParameterValues"))
         .text("xmlns:oms", OMS_NAMESPACE)
-        .text("version", "1.0")
+        .text("version", ssp.number())
         .text("name", system.name())
         .text(
             "generationTool",
@@ -34,14 +53,14 @@ pub(super) fn write(system: &System, version: FmiVersion) -> Result<String, XmlE
                 xml.element("ssd:Connectors", Attributes::new(), |xml| {
                     let outputs = system.all(Causality::Output);
                     let mut ends = system.free_inputs().chain(outputs);
-                    ends.try_for_each(|(_, variable)| connector(xml, variable))
+                    ends.try_for_each(|(_, variable)| connector(xml, variable, versions))
                 })?;
                 // Without values of their own, the system's inputs overwrite the components' starts in OMSimulator.
-                parameter_bindings(xml, &system.input_starts().collect::<Vec<_>>())?;
+                parameter_bindings(xml, &system.input_starts().collect::<Vec<_>>(), versions)?;
             }
             xml.element("ssd:Elements", Attributes::new(), |xml| {
                 (0..system.components().len())
-                    .try_for_each(|place| component(xml, system, place, version))
+                    .try_for_each(|place| component(xml, system, place, versions))
             })?;
             if system.has_connections() {
                 xml.element("ssd:Connections", Attributes::new(), |xml| {
@@ -94,7 +113,7 @@ fn units(xml: &mut Document, system: &System) -> Result<(), XmlError> {
     })
 }
 
-fn connector(xml: &mut Document, variable: &Variable) -> Result<(), XmlError> {
+fn connector(xml: &mut Document, variable: &Variable, versions: Versions) -> Result<(), XmlError> {
     let attributes = Attributes::new()
         .text("name", &variable.name)
         .text("kind", variable.causality.xml());
@@ -102,7 +121,7 @@ fn connector(xml: &mut Document, variable: &Variable) -> Result<(), XmlError> {
         match variable.variable_type {
             VariableType::Real => {
                 let unit = Attributes::new().optional_text("unit", variable.unit.as_deref());
-                xml.leaf("ssc:Real", unit)
+                xml.leaf(&format!("ssc:{}", versions.real()), unit)
             }
             VariableType::Boolean => xml.leaf("ssc:Boolean", Attributes::new()),
         }
@@ -113,9 +132,9 @@ fn component(
     xml: &mut Document,
     system: &System,
     place: usize,
-    version: FmiVersion,
+    versions: Versions,
 ) -> Result<(), XmlError> {
-    let file = system.components()[place].fmu_file_name(version);
+    let file = system.components()[place].fmu_file_name(versions.fmi);
     let attributes = Attributes::new()
         .text("name", system.component_name(place))
         .text("type", "application/x-fmu-sharedlibrary")
@@ -125,20 +144,25 @@ fn component(
             let variables = system.table(place).variables().iter();
             variables
                 .filter(|v| matches!(v.causality, Causality::Input | Causality::Output))
-                .try_for_each(|variable| connector(xml, variable))
+                .try_for_each(|variable| connector(xml, variable, versions))
         })?;
-        parameter_bindings(xml, &system.starts(place).collect::<Vec<_>>())
+        parameter_bindings(xml, &system.starts(place).collect::<Vec<_>>(), versions)
     })
 }
 
 /// `ParameterBindings` with these values, if there are any.
-fn parameter_bindings(xml: &mut Document, starts: &[(&Variable, f64)]) -> Result<(), XmlError> {
+fn parameter_bindings(
+    xml: &mut Document,
+    starts: &[(&Variable, f64)],
+    versions: Versions,
+) -> Result<(), XmlError> {
     if starts.is_empty() {
         return Ok(());
     }
     let set = Attributes::new()
-        .text("version", "1.0")
+        .text("version", versions.ssp.number())
         .text("name", "start_values");
+    let real = format!("ssv:{}", versions.real());
     xml.element("ssd:ParameterBindings", Attributes::new(), |xml| {
         xml.element("ssd:ParameterBinding", Attributes::new(), |xml| {
             xml.element("ssd:ParameterValues", Attributes::new(), |xml| {
@@ -147,7 +171,7 @@ fn parameter_bindings(xml: &mut Document, starts: &[(&Variable, f64)]) -> Result
                         starts.iter().try_for_each(|(variable, value)| {
                             let name = Attributes::new().text("name", &variable.name);
                             xml.element("ssv:Parameter", name, |xml| {
-                                xml.leaf("ssv:Real", Attributes::new().number("value", *value))
+                                xml.leaf(&real, Attributes::new().number("value", *value))
                             })
                         })
                     })
@@ -219,4 +243,35 @@ fn connections(xml: &mut Document, system: &System) -> Result<(), XmlError> {
         xml.leaf("ssd:Connection", attributes)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::Source;
+
+    const RIG: &str = include_str!("../../../modelDescription/reduced-rig.toml");
+
+    fn written(fmi: FmiVersion, ssp: SspVersion) -> String {
+        let source = Source::from_text(RIG.to_owned(), "rig.toml").unwrap();
+        let mut system = System::new(vec![source]).unwrap();
+        system.start("N2", 50.0).unwrap();
+        system.expose();
+        write(&system, fmi, ssp).unwrap()
+    }
+
+    #[test]
+    fn version_2_differs_in_its_number_and_in_the_reals_of_fmi_3() {
+        for fmi in FmiVersion::ALL {
+            let newer = written(fmi, SspVersion::Two);
+            let numbers = newer.matches(" version=\"2.0\"").count();
+            assert_eq!(numbers, 3, "the description and two sets of parameters");
+            let reals = newer.matches("Float64").count();
+            assert_eq!(reals > 0, fmi == FmiVersion::Fmi3);
+            let older = newer
+                .replace(" version=\"2.0\"", " version=\"1.0\"")
+                .replace(":Float64", ":Real");
+            assert_eq!(older, written(fmi, SspVersion::One));
+        }
+    }
 }

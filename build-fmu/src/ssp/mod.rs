@@ -1,4 +1,4 @@
-//! System structure archives (SSP 1.0): components with their connections in one file.
+//! System structure archives (SSP 1.0 or 2.0): components with their connections in one file.
 
 mod description;
 mod system;
@@ -14,6 +14,25 @@ use crate::build::BuildError;
 use crate::library::Library;
 use crate::model_description::XmlError;
 use crate::platform::FmiVersion;
+
+/// A version of the standard of archives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SspVersion {
+    /// SSP 1.0, which more programs read; it was written for FMI 2.
+    One,
+    /// SSP 2.0, which knows the types of FMI 3.
+    Two,
+}
+
+impl SspVersion {
+    /// As the files state it.
+    pub fn number(self) -> &'static str {
+        match self {
+            Self::One => "1.0",
+            Self::Two => "2.0",
+        }
+    }
+}
 
 /// Why an archive could not be built.
 #[derive(Debug, Error)]
@@ -38,10 +57,11 @@ pub fn build(
     system: &System,
     libraries: &[Library],
     version: FmiVersion,
+    ssp: SspVersion,
     folder: &Path,
 ) -> Result<PathBuf, SspError> {
     let mut archive = Archive::default();
-    let description = description::write(system, version)?;
+    let description = description::write(system, version, ssp)?;
     archive.add("SystemStructure.ssd", description)?;
     for source in system.components() {
         let name = format!("resources/{}", source.fmu_file_name(version));

@@ -12,4 +12,6 @@ mod exchange_mutations;
 mod importer;
 mod kept_copies;
 mod mutations;
+mod reference_mutations;
+mod references;
 mod spoiled;

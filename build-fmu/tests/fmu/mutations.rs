@@ -9,6 +9,7 @@ use build_fmu::platform::FmiVersion;
 
 use crate::component::build;
 use crate::exchange_mutations::{EXCHANGE_FMI2, EXCHANGE_FMI3};
+use crate::reference_mutations::REFERENCES;
 use crate::spoiled::Defect::{self, Bytes, Files as Change, Replace};
 use crate::spoiled::{DESCRIPTION, Files, LIBRARY, add, pack, patch, rename_symbol, spoil, unpack};
 
@@ -352,7 +353,7 @@ fn every_defect_is_found(version: FmiVersion, own: &[(&str, Rule, Defect)]) {
         FmiVersion::Fmi2 => EXCHANGE_FMI2,
         FmiVersion::Fmi3 => EXCHANGE_FMI3,
     };
-    for (name, rule, defect) in BOTH.iter().chain(own).chain(exchange) {
+    for (name, rule, defect) in BOTH.iter().chain(own).chain(exchange).chain(REFERENCES) {
         fs::write(&spoiled, spoil(&good, defect, library)).unwrap();
         let findings = lint::check(&Package::open(&spoiled).unwrap(), Loading::Load);
         assert!(
@@ -377,6 +378,7 @@ fn table() -> String {
     let mut rows: BTreeMap<(&str, &str), [bool; 2]> = BTreeMap::new();
     for (defects, versions) in [
         (BOTH, [true, true]),
+        (REFERENCES, [true, true]),
         (FMI2, [true, false]),
         (FMI3, [false, true]),
         (EXCHANGE_FMI2, [true, false]),

@@ -23,6 +23,8 @@ pub const LIBRARY: [&str; 2] = [
 pub enum Defect {
     /// Replaces text in the model description, which must be there.
     Replace(&'static str, &'static str),
+    /// Replaces text in a file, in which it must be.
+    ReplaceIn(&'static str, &'static str, &'static str),
     /// Changes the files.
     Files(fn(&mut Files, library: &str)),
     /// Changes the archive's bytes.
@@ -88,18 +90,18 @@ pub fn pack(files: &Files, level: i64) -> Vec<u8> {
     writer.finish().unwrap().into_inner()
 }
 
+fn replace(files: &mut Files, file: &str, from: &str, to: &str) {
+    let text = String::from_utf8(files[file].clone()).unwrap();
+    assert!(text.contains(from), "{from} is not in {file}");
+    files.insert(file.to_owned(), text.replacen(from, to, 1).into_bytes());
+}
+
 /// The FMU of these files with one defect.
 pub fn spoil(good: &Files, defect: &Defect, library: &str) -> Vec<u8> {
     let mut files = good.clone();
     match defect {
-        Defect::Replace(from, to) => {
-            let text = String::from_utf8(files[DESCRIPTION].clone()).unwrap();
-            assert!(text.contains(from), "{from} is not in the description");
-            files.insert(
-                DESCRIPTION.to_owned(),
-                text.replacen(from, to, 1).into_bytes(),
-            );
-        }
+        Defect::Replace(from, to) => replace(&mut files, DESCRIPTION, from, to),
+        Defect::ReplaceIn(file, from, to) => replace(&mut files, file, from, to),
         Defect::Files(change) => change(&mut files, library),
         Defect::Bytes(_) => {}
     }

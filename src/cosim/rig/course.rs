@@ -93,8 +93,7 @@ impl Course {
         if let (Some(line), Signal::State(place @ (index::THETA | index::OMEGA))) =
             (&self.delay_line, signal)
         {
-            let (series, tau) = line.read(&self.run, place == index::OMEGA, time);
-            return Some(read(&series, tau));
+            return Some(line.read(&self.run, place, time, read));
         }
         let series = series(self.run.system(), self.run.jet(), signal)?;
         Some(read(series, time - self.run.segment_start()))

@@ -14,7 +14,8 @@ struct Stretch {
     velocity: Vec<f64>,
 }
 
-/// The recent past of disc D2. Before the run began the disc was where it began.
+/// The recent past of disc D2. Before the run began, angle and velocity were what they began with: a diagnosis leaves such readings
+/// out or takes the same.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DelayLine {
     /// Lag of the sensors [s].
@@ -44,39 +45,26 @@ impl DelayLine {
         }
     }
 
-    /// Polynomial of the angle (or the velocity) that the sensors show at `time` [s], and the local
-    /// time at which to read it.
-    pub(super) fn read(
+    /// What `use_it` makes of the polynomial that the sensors show at `time` [s], of the angle or the velocity by its `place` in
+    /// the state, and of the local time at which to read it.
+    pub(super) fn read<R>(
         &self,
         run: &Simulation<f64, Rig<f64>>,
-        velocity: bool,
+        place: usize,
         time: f64,
-    ) -> (Vec<f64>, f64) {
+        use_it: impl FnOnce(&[f64], f64) -> R,
+    ) -> R {
         let time = time - self.delay;
-        let present = Stretch::of(run);
-        let stretch = if time >= present.start {
-            &present
-        } else {
-            let past = self.stretches.iter().rev().find(|past| past.start <= time);
-            match (past, self.stretches.front()) {
-                (Some(past), _) => past,
-                (None, first) => {
-                    let first = first.unwrap_or(&present);
-                    let rest = if velocity {
-                        first.velocity[0]
-                    } else {
-                        first.angle[0]
-                    };
-                    return (vec![rest], 0.0);
-                }
-            }
-        };
-        let series = if velocity {
-            &stretch.velocity
-        } else {
-            &stretch.angle
-        };
-        (series.clone(), time - stretch.start)
+        let present = present(run, place);
+        if time >= run.segment_start() {
+            return use_it(present, time - run.segment_start());
+        }
+        let past = self.stretches.iter().rev().find(|past| past.start <= time);
+        match (past, self.stretches.front()) {
+            (Some(past), _) => use_it(past.of_state(place), time - past.start),
+            (None, Some(first)) => use_it(&first.of_state(place)[..1], 0.0),
+            (None, None) => use_it(&present[..1], 0.0),
+        }
     }
 
     /// Writes the line into a state.
@@ -120,13 +108,25 @@ impl DelayLine {
 
 impl Stretch {
     fn of(run: &Simulation<f64, Rig<f64>>) -> Self {
-        let terms = run.jet().friction_torque().len();
-        let states = run.system().states(run.jet());
-        let series = |place: usize| states[place][..terms].to_vec();
         Self {
             start: run.segment_start(),
-            angle: series(index::THETA),
-            velocity: series(index::OMEGA),
+            angle: present(run, index::THETA).to_vec(),
+            velocity: present(run, index::OMEGA).to_vec(),
         }
     }
+
+    /// The polynomial of a state.
+    fn of_state(&self, place: usize) -> &[f64] {
+        if place == index::OMEGA {
+            &self.velocity
+        } else {
+            &self.angle
+        }
+    }
+}
+
+/// The present segment's polynomial of a state.
+fn present(run: &Simulation<f64, Rig<f64>>, place: usize) -> &[f64] {
+    let terms = run.jet().friction_torque().len();
+    &run.system().states(run.jet())[place][..terms]
 }

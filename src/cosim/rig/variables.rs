@@ -336,4 +336,32 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn what_is_built_in_stays_fixed() {
+        let effects = "[backlash]\ngap = 0.01\n[gear_ripple]\ntorque = 0.01\norder = 3\nphase = 0.0\n\
+            [stochastic_friction]\nstandard_deviation = 0.01\ncorrelation_time = 0.1\nseed = 3\n\
+            [sensor_delay]\ndelay = 0.01\n";
+        let rig = Rig::from_toml(&format!("{FULL}\n{effects}"), "test").unwrap();
+        let (table, _) = rig_table(&rig).unwrap();
+        let rows = table.variables().iter();
+        let fixed: Vec<&str> = rows
+            .filter(|row| row.variability == Variability::Fixed)
+            .map(|row| row.name.as_str())
+            .collect();
+        let expected = [
+            "disc.inertia",
+            "gearbox.ratio",
+            "motor.inertia",
+            "motor.inductance",
+            "contact.radius",
+            "disc1.inertia",
+            "contact1.radius",
+            "backlash.gap",
+            "gear_ripple.order",
+            "stochastic_friction.seed",
+            "sensor_delay.delay",
+        ];
+        assert_eq!(fixed, expected);
+    }
 }

@@ -5,9 +5,9 @@ use super::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Handle, Integer, MODEL_EXCHANGE, Real, Text, Type,
     ValueReference,
 };
-use crate::cosim::VariableType;
+use crate::cosim::{VariableType, open, open_for_exchange};
 use crate::ffi::guard::{contain, exports, free};
-use crate::ffi::instantiate::{Request, instantiate};
+use crate::ffi::instantiate::{Open, Request, instantiate};
 use crate::ffi::log::Callback;
 use crate::ffi::pointers::{input, output, place, text, texts};
 use crate::ffi::status::{ANY, Interface, Phase, Phases};
@@ -59,25 +59,41 @@ pub unsafe extern "C" fn fmi2Instantiate(
     _visible: Boolean,
     logging_on: Boolean,
 ) -> Handle {
+    let open = if kind == MODEL_EXCHANGE {
+        open_for_exchange
+    } else {
+        open
+    };
+    let texts = [instance_name, guid, resource_location];
+    // SAFETY: the caller's promise about the pointers.
+    unsafe { new_instance(open, kind, texts, functions, logging_on) }
+}
+
+/// A new instance of the model that `open` makes, or NULL with a reason in the log.
+///
+/// # Safety
+/// Pointers are NULL or as the standard describes them.
+pub(in crate::ffi) unsafe fn new_instance(
+    open: Open,
+    kind: Type,
+    texts: [Text; 3],
+    functions: *const CallbackFunctions,
+    logging_on: Boolean,
+) -> Handle {
     contain(ptr::null_mut(), || {
         if functions.is_null() || !functions.is_aligned() {
             return ptr::null_mut();
         }
         // SAFETY: the caller's promise about the pointers.
-        let (functions, request) = unsafe {
-            let functions = functions.read();
-            (
-                functions,
-                [text(instance_name), text(guid), text(resource_location)],
-            )
-        };
-        let [instance_name, token, resources] = request;
+        let functions = unsafe { functions.read() };
+        // SAFETY: as above.
+        let [instance_name, token, resources] = texts.map(|pointer| unsafe { text(pointer) });
         let request = Request {
             function: "fmi2Instantiate",
+            open,
             instance_name,
             token,
             resources,
-            exchange: kind == MODEL_EXCHANGE,
             logging_on: logging_on != 0,
             environment: functions.component_environment,
             callback: Callback::Fmi2(functions.logger),

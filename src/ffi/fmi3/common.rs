@@ -5,10 +5,11 @@ use super::types::{
     Boolean, ClockUpdateCallback, Float64, Handle, IntermediateUpdateCallback, PreemptionCallback,
     Text, ValueReference,
 };
+use crate::cosim::{open, open_for_exchange};
 use crate::ffi::Fmi3Logger;
 use crate::ffi::guard::{contain, exports, free};
 use crate::ffi::instance::Instance;
-use crate::ffi::instantiate::{Request, instantiate};
+use crate::ffi::instantiate::{Open, Request, instantiate};
 use crate::ffi::log::Callback;
 use crate::ffi::pointers::{input, output, place, same_length, text, texts};
 use crate::ffi::status::{ANY, Interface, Phase, Phases};
@@ -37,9 +38,9 @@ pub extern "C" fn fmi3GetVersion() -> *const c_char {
 ///
 /// # Safety
 /// Pointers are NULL or as the standard describes them.
-unsafe fn new_instance(
+pub(in crate::ffi) unsafe fn new_instance(
     function: &'static str,
-    exchange: bool,
+    open: Open,
     texts: [Text; 3],
     logging_on: Boolean,
     environment: *mut c_void,
@@ -51,10 +52,10 @@ unsafe fn new_instance(
         let [instance_name, token, resources] = texts.map(|pointer| unsafe { text(pointer) });
         let request = Request {
             function,
+            open,
             instance_name,
             token,
             resources,
-            exchange,
             logging_on: logging_on != 0,
             environment,
             callback: Callback::Fmi3(logger),
@@ -79,7 +80,7 @@ unsafe fn no_instance(
     unsafe {
         new_instance(
             function,
-            false,
+            open,
             texts,
             logging_on,
             environment,
@@ -114,7 +115,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     unsafe {
         new_instance(
             "fmi3InstantiateCoSimulation",
-            false,
+            open,
             texts,
             logging_on,
             environment,
@@ -153,7 +154,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     unsafe {
         new_instance(
             "fmi3InstantiateModelExchange",
-            true,
+            open_for_exchange,
             texts,
             logging_on,
             environment,

@@ -1,7 +1,7 @@
 //! FMI 2 as an importer sees it: life of an instance, order of calls, log.
 
 use super::harness::{Fmi2, Messages, NULL, Resources, logger2, token};
-use crate::cosim::test_model::{TIME, U, X};
+use crate::cosim::test_model::{TIME, U, X, open};
 use crate::ffi::Status::{self, Discard, Error, Ok, Warning};
 use crate::ffi::fmi2::*;
 use std::ffi::{CStr, c_char, c_void};
@@ -25,15 +25,8 @@ fn instantiate(
     let pointer = |text: Option<&CStr>| text.map_or(ptr::null(), CStr::as_ptr);
     // SAFETY: pointers are NULL or valid for the call.
     let handle = unsafe {
-        fmi2Instantiate(
-            pointer(name),
-            kind,
-            pointer(token),
-            pointer(resources),
-            &functions,
-            0,
-            0,
-        )
+        let texts = [pointer(name), pointer(token), pointer(resources)];
+        new_instance(open, kind, texts, &functions, 0)
     };
     (handle, log)
 }
@@ -81,8 +74,9 @@ fn loggers_and_callbacks_may_be_null() {
     unsafe {
         let name = c"a/b.fmu".as_ptr();
         let (token, uri) = (token.as_ptr(), uri.as_ptr());
-        assert!(fmi2Instantiate(name, 1, token, uri, ptr::null(), 0, 1).is_null());
-        let handle = fmi2Instantiate(name, 1, token, uri, &functions, 0, 1);
+        let texts = [name, token, uri];
+        assert!(new_instance(open, 1, texts, ptr::null(), 1).is_null());
+        let handle = new_instance(open, 1, texts, &functions, 1);
         assert!(!handle.is_null());
         assert_eq!(fmi2DoStep(handle, 0.0, 0.1, 1), Error);
         fmi2FreeInstance(handle);

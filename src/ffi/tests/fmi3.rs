@@ -1,12 +1,13 @@
 //! FMI 3 as an importer sees it.
 
 use super::harness::{Fmi2, Fmi3, Messages, NULL, Resources, Step3, logger3, token};
+use crate::cosim::open;
 use crate::cosim::test_model::{ABOVE, GAIN, RATE, U, X, Y};
 use crate::ffi::Status::{self, Discard, Error, Ok};
 use crate::ffi::fmi2::fmi2Terminate;
 use crate::ffi::fmi3::*;
 use std::ffi::{CString, c_void};
-use std::ptr;
+use std::{fs, ptr};
 
 #[test]
 fn both_versions_give_the_same_bits() {
@@ -61,6 +62,35 @@ fn a_step_ends_at_the_switch_when_the_importer_asks_for_it() {
             time: 1.0
         }
     );
+}
+
+/// As the standard has it of discrete variables: nobody sees them change but at communication points. What the switch made of
+/// them is there when the step has ended, whether the importer then enters event mode or not.
+#[test]
+fn a_discrete_variable_is_behind_the_switch_before_in_and_after_event_mode() {
+    for early_return in [false, true] {
+        let instance = Fmi3::running(true, early_return);
+        let above = || {
+            let mut above = 9;
+            // SAFETY: one variable, one value.
+            let status = unsafe { fmi3GetBoolean(instance.handle, &ABOVE, 1, &mut above, 1) };
+            assert_eq!(status, Ok);
+            above
+        };
+        instance.pass_event_mode();
+        instance.set(U, 1.0);
+        assert!(!instance.step(0.0, 0.5).event);
+        assert_eq!(above(), 0);
+        assert!(instance.step(0.5, 0.5).event);
+        assert_eq!(above(), 1);
+        // SAFETY: no pointers but the handle.
+        unsafe {
+            assert_eq!(fmi3EnterEventMode(instance.handle), Ok);
+            assert_eq!(above(), 1);
+            assert_eq!(fmi3EvaluateDiscreteStates(instance.handle), Ok);
+        }
+        assert_eq!(above(), 1);
+    }
 }
 
 #[test]
@@ -193,6 +223,11 @@ fn other_kinds_of_component_are_refused_with_a_reason() {
             fmi3InstantiateModelExchange(name, token, folder, 0, 0, env, Some(logger3)).is_null()
         );
         assert!(log.only().contains("model.toml: "));
+        const RIG: &str = include_str!("../../../modelDescription/reduced-rig.toml");
+        fs::write(resources.0.join("model.toml"), RIG).unwrap();
+        let token = open(RIG, "rig.toml").unwrap().token();
+        let token = CString::new(token.to_string()).unwrap();
+        let token = token.as_ptr();
         let logger = Some(logger3 as _);
         assert!(
             fmi3InstantiateScheduledExecution(

@@ -1,7 +1,7 @@
 //! An importer in a few lines: a resource folder, a log, and calls with slices instead of pointers.
 
 use crate::cosim::Token;
-use crate::cosim::test_model::{MODEL_TOML, table};
+use crate::cosim::test_model::{MODEL_TOML, open, table};
 use crate::ffi::fmi2::{self, CallbackFunctions};
 use crate::ffi::{Fmi2Logger, Status, fmi3};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -126,7 +126,8 @@ impl Fmi2 {
         let name = c"test".as_ptr();
         // SAFETY: all pointers are valid for the call.
         let handle = unsafe {
-            fmi2::fmi2Instantiate(name, 1, token.as_ptr(), uri.as_ptr(), &functions, 0, 0)
+            let texts = [name, token.as_ptr(), uri.as_ptr()];
+            fmi2::new_instance(open, 1, texts, &functions, 0)
         };
         assert!(!handle.is_null(), "{:?}", log.0);
         Self {
@@ -207,21 +208,21 @@ impl Fmi3 {
         let resources = Resources::new();
         let mut log = Box::<Messages>::default();
         let folder = CString::new(resources.0.to_str().unwrap()).unwrap();
+        let token = token();
         // SAFETY: all pointers are valid for the call.
         let handle = unsafe {
-            fmi3::fmi3InstantiateCoSimulation(
-                c"test".as_ptr(),
-                token().as_ptr(),
-                folder.as_ptr(),
-                0,
+            fmi3::new_instance(
+                "fmi3InstantiateCoSimulation",
+                open,
+                [c"test".as_ptr(), token.as_ptr(), folder.as_ptr()],
                 logging.into(),
-                event_mode.into(),
-                early_return.into(),
-                ptr::null(),
-                0,
                 (&raw mut *log).cast(),
                 Some(logger3),
-                None,
+                |instance| {
+                    instance.event_mode_used = event_mode;
+                    instance.early_return_allowed = early_return;
+                    Ok(())
+                },
             )
         };
         assert!(!handle.is_null(), "{:?}", log.0);

@@ -3,11 +3,11 @@
 
 use super::harness::{Fmi2, Fmi3, Messages, NULL, Resources, logger2, logger3, token};
 use crate::cosim::test_model::{
-    ABOVE, GAIN, LAST_PANIC_GAIN, PANIC, PANIC_GAIN, PANIC_TOML, U, X, Y,
+    ABOVE, GAIN, LAST_PANIC_GAIN, PANIC, PANIC_GAIN, PANIC_TOML, U, X, Y, open,
 };
 use crate::ffi::Status::{self, Error, Ok};
-use crate::ffi::fmi2::*;
-use crate::ffi::fmi3::*;
+use crate::ffi::fmi2::{new_instance as new_fmi2, *};
+use crate::ffi::fmi3::{new_instance as new_fmi3, *};
 use std::ffi::{CString, c_void};
 use std::{fs, ptr};
 
@@ -141,22 +141,17 @@ fn while_an_instance_is_made() {
     let folder = CString::new(resources.0.to_str().unwrap()).unwrap();
     // SAFETY: all pointers are valid for the call.
     unsafe {
-        let handle = fmi2Instantiate(name, 1, token, uri.as_ptr(), &functions, 0, 0);
+        let handle = new_fmi2(open, 1, [name, token, uri.as_ptr()], &functions, 0);
         assert_eq!(handle, NULL);
         assert!(log.only().contains(PANIC));
-        let handle = fmi3InstantiateCoSimulation(
-            name,
-            token,
-            folder.as_ptr(),
-            0,
-            0,
-            0,
-            0,
-            ptr::null(),
+        let handle = new_fmi3(
+            "fmi3InstantiateCoSimulation",
+            open,
+            [name, token, folder.as_ptr()],
             0,
             environment,
             Some(logger3),
-            None,
+            |_| Result::Ok(()),
         );
         assert_eq!(handle, NULL);
         assert!(log.only().contains(PANIC));

@@ -90,6 +90,7 @@ impl Definition {
                 unit: unit.clone().leak(),
                 range: *range,
                 description: description.clone().leak(),
+                built_in: false,
             })
             .collect::<Vec<_>>()
             .leak();

@@ -82,6 +82,52 @@ fn archives_of_many_or_large_files() {
 }
 
 #[test]
+fn reference_results_at_the_limits() {
+    const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
+    let place = tempfile::tempdir().unwrap();
+    let sound = description("{0}", "");
+    let manifest = |related: &str| {
+        format!(
+            "<fmiReferences xmlns:l=\"http://fmi-standard.org/fmi-ls-manifest\" l:fmi-ls-name=\"org.fmi-standard.fmi-ls-ref\" \
+             l:fmi-ls-version=\"1.0.0\" l:fmi-ls-description=\"related files\">{related}</fmiReferences>"
+        )
+    };
+    let one = "<Related source=\"a.exp\" role=\"experiment\"/>";
+    let experiment =
+        |n: usize| format!("<Experiment name=\"{n}\"><References source=\"r.csv\"/></Experiment>");
+    let fmu = |name: &str, related: &str, experiments: &str, table: &str| {
+        Fmu::new(place.path(), name)
+            .file("modelDescription.xml", &sound)
+            .file(&format!("{FOLDER}/fmi-ls-manifest.xml"), manifest(related))
+            .file(
+                &format!("{FOLDER}/a.exp"),
+                format!("<Experiments name=\"a\">{experiments}</Experiments>"),
+            )
+            .file(&format!("{FOLDER}/r.csv"), table)
+            .finish()
+    };
+    let below = (15 << 20) - 2000;
+    let columns = repeated(below, |n| format!(",v{n}"));
+    let rows = format!("time,u\n{}", repeated(below, |n| format!("{n},1\n")));
+    let many = repeated((1 << 20) - 2000, experiment);
+    for path in [
+        fmu("columns", one, &experiment(0), &format!("time{columns}\n")),
+        fmu("rows", one, &experiment(0), &rows),
+        fmu("experiments", one, &many, "time,u\n0,0\n"),
+        fmu("related", &one.repeat(999), &many, &rows),
+        fmu("manifest", &repeated(below, |_| one.to_owned()), "", ""),
+    ] {
+        refused(&path, false, &["there is none for"]);
+    }
+    let mut folders = Fmu::new(place.path(), "folders").file("modelDescription.xml", &sound);
+    for number in 0..2_000 {
+        let name = format!("extra/{number}/fmi-ls-manifest.xml");
+        folders = folders.file(&name, manifest(one));
+    }
+    refused(&folders.finish(), false, &["there is none for"]);
+}
+
+#[test]
 fn files_that_are_none() {
     let place = tempfile::tempdir().unwrap();
     let pipe = place.path().join("pipe.fmu");

@@ -68,6 +68,9 @@ pub fn command(arguments: &BuildArguments) -> anyhow::Result<Outcome> {
             built.path.display(),
             built.size.div_ceil(1024)
         );
+        if let Some(reason) = built.without_reference {
+            println!("  without reference results: {reason}");
+        }
     }
     Ok(Outcome::Done)
 }

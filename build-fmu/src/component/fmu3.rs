@@ -174,12 +174,13 @@ impl Instance for Fmi3 {
         Ok(value)
     }
 
-    fn initialise(&mut self, start: f64, stop: f64) -> Result<(), Failed> {
+    fn initialise(&mut self, start: f64, stop: f64, tolerance: Option<f64>) -> Result<(), Failed> {
+        let (stated, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         // SAFETY: the instance is live.
         unsafe {
             answer(
                 "fmi3EnterInitializationMode",
-                (self.enter_initialisation)(self.handle, false, 0.0, start, true, stop),
+                (self.enter_initialisation)(self.handle, stated, tolerance, start, true, stop),
             )?;
             answer(
                 "fmi3ExitInitializationMode",

@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use build_fmu::zip_directory::{self, DirectoryError};
+use crate::zip_directory::{self, DirectoryError};
 use tempfile::TempDir;
 use thiserror::Error;
 use zip::ZipArchive;

@@ -172,12 +172,13 @@ impl Instance for Fmi2 {
         Ok(value != 0)
     }
 
-    fn initialise(&mut self, start: f64, stop: f64) -> Result<(), Failed> {
+    fn initialise(&mut self, start: f64, stop: f64, tolerance: Option<f64>) -> Result<(), Failed> {
+        let (stated, tolerance) = (c_int::from(tolerance.is_some()), tolerance.unwrap_or(0.0));
         // SAFETY: the instance is live.
         unsafe {
             answer(
                 "fmi2SetupExperiment",
-                (self.set_up)(self.handle, 0, 0.0, start, 1, stop),
+                (self.set_up)(self.handle, stated, tolerance, start, 1, stop),
             )?;
             answer(
                 "fmi2EnterInitializationMode",

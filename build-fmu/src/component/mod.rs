@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 pub use archive::{Archive, ArchiveError};
+pub(crate) use description::document;
 pub use description::{Description, DescriptionError, FmiVersion};
 pub use fmu::Fmu;
 pub use native::Native;

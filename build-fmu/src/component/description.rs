@@ -55,6 +55,8 @@ pub struct Description {
     pub model_identifier: String,
     /// `guid` of FMI 2, `instantiationToken` of FMI 3.
     pub token: String,
+    /// Whether it takes communication steps of any length.
+    pub takes_any_step: bool,
     /// The variables in the order of the file.
     pub variables: Vec<Variable>,
 }
@@ -69,15 +71,7 @@ impl Description {
             path: path.to_owned(),
             problem,
         };
-        if let Some(problem) = Shape::of(text).problem() {
-            return Err(refuse(problem));
-        }
-        let unsound = |error: roxmltree::Error| refuse(format!("is not sound XML: {error}"));
-        let options = ParsingOptions {
-            nodes_limit: MOST_NODES,
-            ..ParsingOptions::default()
-        };
-        let document = Document::parse_with_options(text, options).map_err(unsound)?;
+        let document = document(text).map_err(refuse)?;
         let root = document.root_element();
         let version = match root.attribute("fmiVersion") {
             Some("2.0") => FmiVersion::Two,
@@ -145,9 +139,26 @@ impl Description {
                 .to_owned(),
             model_identifier,
             token: token.to_owned(),
+            takes_any_step: matches!(
+                interface.attribute("canHandleVariableCommunicationStepSize"),
+                Some("true" | "1")
+            ),
             variables,
         })
     }
+}
+
+/// Parses XML that anybody may have written; the reason where it is refused.
+pub(crate) fn document(text: &str) -> Result<Document<'_>, String> {
+    if let Some(problem) = Shape::of(text).problem() {
+        return Err(problem);
+    }
+    let options = ParsingOptions {
+        nodes_limit: MOST_NODES,
+        ..ParsingOptions::default()
+    };
+    Document::parse_with_options(text, options)
+        .map_err(|error| format!("is not sound XML: {error}"))
 }
 
 /// What an XML text would cost its parser, found without one.
@@ -301,6 +312,10 @@ fn read_variable(node: Node<'_, '_>, typed: Node<'_, '_>, kind: Kind) -> Result<
             Some(_) => Role::Other,
         },
         kind,
+        held: match node.attribute("variability") {
+            None => kind != Kind::Real,
+            Some(variability) => variability != "continuous",
+        },
         unit: typed.attribute("unit").unwrap_or_default().to_owned(),
         start: number("start")?,
         minimum: number("min")?,

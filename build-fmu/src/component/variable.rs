@@ -39,6 +39,8 @@ pub struct Variable {
     pub role: Role,
     /// Its type.
     pub kind: Kind,
+    /// Whether it changes at events only, and holds its value between them.
+    pub held: bool,
     /// Its unit, empty where it has none.
     pub unit: String,
     /// Start value in its unit.

@@ -6,7 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use build_fmu::binary_header;
+use crate::binary_header;
 use libloading::Library;
 
 use super::archive::Archive;
@@ -43,7 +43,7 @@ pub(super) trait Instance {
     fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Result<(), Failed>;
     fn reals(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Failed>;
     fn boolean(&mut self, reference: u32) -> Result<bool, Failed>;
-    fn initialise(&mut self, start: f64, stop: f64) -> Result<(), Failed>;
+    fn initialise(&mut self, start: f64, stop: f64, tolerance: Option<f64>) -> Result<(), Failed>;
     fn step(&mut self, from: f64, length: f64) -> Result<(), Failed>;
     fn reset(&mut self) -> Result<(), Failed>;
 }
@@ -54,6 +54,7 @@ pub struct Fmu {
     description: Description,
     log: Log,
     time: f64,
+    tolerance: Option<f64>,
     // Dropped in this order: the instance while its binary is loaded, the binary while its file is there.
     instance: Box<dyn Instance>,
     _archive: Archive,
@@ -94,6 +95,7 @@ impl Fmu {
             description,
             log,
             time: 0.0,
+            tolerance: None,
             instance,
             _archive: archive,
         })
@@ -105,6 +107,17 @@ impl Fmu {
     /// [`ComponentError`] where the archive or the description is refused.
     pub fn describe(path: &Path) -> Result<Description, ComponentError> {
         Self::unpack(path).map(|(_, description)| description)
+    }
+
+    /// Relative tolerance for the runs to come; without it the FMU takes its own.
+    pub fn set_tolerance(&mut self, tolerance: Option<f64>) {
+        self.tolerance = tolerance;
+    }
+
+    /// Whether it takes communication steps of any length.
+    #[must_use]
+    pub fn takes_any_step(&self) -> bool {
+        self.description.takes_any_step
     }
 
     fn unpack(path: &Path) -> Result<(Archive, Description), ComponentError> {
@@ -237,7 +250,7 @@ impl Component for Fmu {
 
     fn initialise(&mut self, start: f64, stop: f64) -> Result<(), ComponentError> {
         self.time = start;
-        let result = self.instance.initialise(start, stop);
+        let result = self.instance.initialise(start, stop, self.tolerance);
         self.check(result)
     }
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use stickslip::cosim::{self, Causality, CoSimulationModel, ModelError, VariableType};
+use stickslip::cosim::{self, Causality, CoSimulationModel, ModelError, Variability, VariableType};
 
 use super::variable::{Kind, Role, Variable};
 use super::{Component, ComponentError, Event};
@@ -146,6 +146,7 @@ fn translate(row: &cosim::Variable) -> Variable {
             VariableType::Real => Kind::Real,
             VariableType::Boolean => Kind::Boolean,
         },
+        held: row.variability != Variability::Continuous,
         unit: row.unit.clone().unwrap_or_default(),
         start: row.start,
         minimum: row.minimum,
