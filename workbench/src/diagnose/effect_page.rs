@@ -87,8 +87,9 @@ pub fn pages() -> Vec<(String, String)> {
     index.push_str("\nEffects on [small plants](small-plants.md) have a page of their own.\n");
     pages.push(("README.md".to_owned(), index));
     let mut small = String::from(
-        "# Effects on small plants\n\nWhat `stickslip diagnose` can name on a drive, a pendulum, a contact or a balance. `x` is the position, \
-         `v` the velocity, `a` the acceleration. Written by `stickslip effects --out docs/effects`.\n",
+        "# Effects on small plants\n\nWhat `stickslip diagnose` can name on a drive, a pendulum, a contact, a balance, a joint or an FMU. `x` \
+         is the position, `v` the velocity, `a` the acceleration; `direction` in equations is the sign of the velocity, and `friction` \
+         the friction of the other effects. Written by `stickslip effects --out docs/effects`.\n",
     );
     for entry in small_plant::CATALOGUE {
         let _ = write!(small, "\n{}", small_section(entry, 2));
@@ -167,6 +168,9 @@ fn small_section(entry: &Term, level: usize) -> String {
     );
     for parameter in entry.parameters {
         let _ = writeln!(text, "| `{}` | {} |", parameter.key, parameter.description);
+    }
+    if let Some(equation) = entry.equation {
+        let _ = writeln!(text, "\nForce against the motion: `{equation}`.");
     }
     if !entry.confusable.is_empty() {
         let _ = writeln!(

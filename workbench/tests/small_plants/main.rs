@@ -15,7 +15,7 @@ use workbench::diagnose::small_plant::finding::SmallFinding;
 
 use crate::common::stickslip;
 use crate::records::{
-    BALANCE, CONTACT, DRIVE, PENDULUM, balance, contact, drive, multiplied, pendulum,
+    ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, multiplied, pendulum,
     pendulum_read, resized,
 };
 
@@ -212,6 +212,28 @@ fn what_a_joint_needs_beside_its_model_is_named() {
         let (code, text) = place.run("diagnose", &[]);
         assert_eq!(code, 0, "{text}");
         assert_eq!(names(&place.finding()), *expected, "{text}");
+    }
+}
+
+type Loads = fn(f64, f64) -> f64;
+
+#[test]
+fn friction_of_an_arm_that_a_motor_turns_is_named_from_its_voltage_and_angle() {
+    let hidden: [(&[&str], Loads); 3] = [
+        (&[], |_, _| 0.0),
+        (&["coulomb_friction"], |_, _| 9.0),
+        (&["motor_load_friction"], |motor, _| 0.3 * motor.abs()),
+    ];
+    for (at, (expected, friction)) in hidden.into_iter().enumerate() {
+        let seed = 60 + at as u64;
+        let place = Place::new(ARM, &arm(friction, seed), &arm(friction, seed + 100));
+        let (code, text) = place.run("diagnose", &[]);
+        assert_eq!(code, 0, "{text}");
+        let found = place.finding();
+        assert_eq!(names(&found), *expected, "{text}");
+        assert!(text.contains("read off every 0.00"), "{text}");
+        let steps = &found.small_plant.steps;
+        assert!(steps.last().unwrap().held_out.relative < 0.05, "{text}");
     }
 }
 

@@ -145,6 +145,52 @@ pub fn pendulum_read(viscous: f64, dry: f64, square: f64, seed: u64, off: f64) -
     text
 }
 
+pub const ARM: &str = include_str!("../../../docs/examples/arm.toml");
+
+/// An arm that a motor turns, at uneven steps of some 5 ms: stiffness 75 1/s², viscous drag 1.2 1/s, gain 16 rad/(s² V), back EMF 6 1/s,
+/// terminals open for the last fifth. `friction` is the friction from the motor's torque and the weight's moment.
+pub fn arm(friction: impl Fn(f64, f64) -> f64, seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let waves: Vec<[f64; 3]> = [0.9, 2.3, 5.1]
+        .iter()
+        .map(|rate| {
+            [
+                rate * (1.0 + 0.1 * random.normal()),
+                TAU * random.uniform(),
+                0.2,
+            ]
+        })
+        .collect();
+    let mut text = String::from("time,position,pwm,input_volts,torque_enable\n");
+    let (mut x, mut v, mut next): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    let step = 1e-4;
+    for at in 0..240_000 {
+        let time = f64::from(at) * step;
+        let connected = if time < 19.2 { 1.0 } else { 0.0 };
+        let share: f64 = waves
+            .iter()
+            .map(|[rate, phase, size]| size * (rate * time + phase).sin())
+            .sum();
+        let duty = (885.0 * share.clamp(-1.0, 1.0)).round() * connected;
+        if time >= next {
+            next += 0.005 * (1.0 + 0.2 * (random.uniform() - 0.5));
+            let reading = ((x + 1e-4 * random.normal()) * 4096.0 / TAU).round() * TAU / 4096.0;
+            let _ = writeln!(text, "{time:.5},{reading:.6},{duty},7.4,{connected}");
+        }
+        let motor = connected * (16.0 * duty / 885.0 * 7.4 - 6.0 * v);
+        let weight = 75.0 * x.sin();
+        let free = v + step * (motor - weight - 1.2 * v);
+        let braked = step * friction(motor, weight);
+        v = if free.abs() <= braked {
+            0.0
+        } else {
+            free - braked.copysign(free)
+        };
+        x += step * v;
+    }
+    text
+}
+
 pub const BALANCE: &str = include_str!("../../../docs/examples/joint.toml");
 
 /// A joint's torque beside what its model predicts; `hidden` acts beside that, from angle, rate, acceleration, predicted torque

@@ -167,10 +167,8 @@ fn names(case: &SmallCase, open: &[&'static Entry], progress: &mut dyn FnMut(&st
         return name_effects(&forces, &case.model.model, scales, open, progress);
     }
     // Where a joint sticks and for how long tells more of its friction than the forces while it moves.
-    progress("nominal parameters, from the forces");
-    let near = fit_base(&forces, &case.model.model, scales);
     let runs = Swing::pieces(&case.records, &case.model.measurement, scales);
-    name_effects(&runs, &near.model, scales, open, progress)
+    name_effects(&runs, &case.model.model, scales, open, progress)
 }
 
 fn located(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {

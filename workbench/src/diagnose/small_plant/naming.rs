@@ -82,7 +82,16 @@ impl Naming {
 /// Fits all numbers of a model.
 #[must_use]
 pub fn fit_base(problem: &dyn Problem, model: &Model, scales: &Scales) -> Fit {
-    fit(problem, model, scales, None, TO_THE_END)
+    let near = problem
+        .first_look()
+        .map(|smooth| fit(smooth, model, scales, None, TO_THE_END).model);
+    fit(
+        problem,
+        near.as_ref().unwrap_or(model),
+        scales,
+        None,
+        TO_THE_END,
+    )
 }
 
 /// Fits an effect on top of a model, from each of its starts.
@@ -93,6 +102,7 @@ pub fn fit_with(
     entry: &'static Entry,
     scales: &Scales,
 ) -> Fit {
+    let smooth = problem.first_look();
     let looks = entry.starts.iter().map(|start| {
         let values = entry
             .parameters
@@ -101,7 +111,7 @@ pub fn fit_with(
             .map(|(parameter, multiple)| multiple * parameter.dimension.scale(scales))
             .collect();
         fit(
-            problem,
+            smooth.unwrap_or(problem),
             &model.with(entry, values),
             scales,
             None,

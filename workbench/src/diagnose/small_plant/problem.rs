@@ -14,6 +14,11 @@ pub trait Problem: Sync {
         Vec::new()
     }
 
+    /// A smoother problem of the same plant from which fits of this one start; `None` where they start from themselves.
+    fn first_look(&self) -> Option<&dyn Problem> {
+        None
+    }
+
     /// Which fold each piece belongs to, 0, 1, …: pieces of one fold are left out together.
     fn folds(&self) -> &[usize];
 }

@@ -9,6 +9,7 @@ use nalgebra::{Matrix2, Vector2};
 
 use operations::{Coupling, Moment};
 
+use super::balance::Balance;
 use super::model::Model;
 use super::model_file::Measurement;
 use super::motion::{Motion, Scales};
@@ -45,6 +46,8 @@ pub struct Swing {
     /// By how much angle and rate of a start are moved to see what that does.
     nudge: [f64; 2],
     folds: Vec<usize>,
+    /// Balance of forces of the same records, where fits start from that.
+    forces: Option<Balance>,
 }
 
 impl Swing {
@@ -54,10 +57,14 @@ impl Swing {
         Self::cut(records, measurement, scales, f64::INFINITY)
     }
 
-    /// All records cut into stretches of one piece each.
+    /// All records cut into stretches of one piece each. Where a run sticks jumps with its numbers, so that fits start from the
+    /// balance of forces.
     #[must_use]
     pub fn pieces(records: &[Motion], measurement: &Measurement, scales: &Scales) -> Self {
-        Self::cut(records, measurement, scales, PIECE * scales.period)
+        Self {
+            forces: Some(Balance::new(records, measurement, scales)),
+            ..Self::cut(records, measurement, scales, PIECE * scales.period)
+        }
     }
 
     /// All records cut into stretches of about this length [s].
@@ -96,6 +103,7 @@ impl Swing {
         Self {
             folds: stretches.iter().enumerate().flat_map(pieces).collect(),
             piece,
+            forces: None,
             nudge: [NUDGE * scales.position, NUDGE * scales.speed],
             stretches,
         }
@@ -155,6 +163,10 @@ impl Problem for Swing {
             }
         }
         pieces
+    }
+
+    fn first_look(&self) -> Option<&dyn Problem> {
+        self.forces.as_ref().map(|forces| forces as &dyn Problem)
     }
 
     fn folds(&self) -> &[usize] {
