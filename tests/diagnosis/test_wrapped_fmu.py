@@ -120,3 +120,52 @@ def test_states_are_saved_restored_and_serialised(wrapped):
         instance.terminate()
         instance.freeInstance()
     shutil.rmtree(folder)
+
+
+AXIS = """
+[plant]
+kind = "fmu"
+path = "turn"
+fmu = "axis.fmu"
+
+[port]
+input = "torque"
+position = "phi"
+velocity = "w"
+inertia = 0.02
+coupling_step = 0.001
+
+[inputs]
+voltage = { column = "u", unit = "V", between = "linear" }
+
+[columns]
+time = { column = "t", unit = "s" }
+position = { column = "angle", unit = "rad" }
+
+[measurement]
+motion_low_pass = 20.0
+compare_low_pass = 10.0
+compare_rate = 40.0
+
+[coulomb_friction]
+force = 0.2
+"""
+
+
+def test_an_fmu_of_version_2_that_cannot_save_its_state(tmp_path):
+    maker = [PROGRAMS / "hidden-records", "make", "--fmu", "--seed", "700", "--cases", "1", "--out", tmp_path / "cases"]
+    subprocess.run(maker, check=True, capture_output=True)
+    (original,) = (tmp_path / "cases").rglob("axis.fmu")
+    shutil.copy(original, tmp_path / "axis.fmu")
+    (tmp_path / "ports.toml").write_text(AXIS)
+    subprocess.run([PROGRAMS / "stickslip", "build", tmp_path / "ports.toml", "--out", tmp_path], check=True)
+    wrapped = tmp_path / "axis.amended.fmu"
+    assert validate_fmu(wrapped) == []
+    start = {"voltage": 2.0, "torque": 0.0, "J": 0.02}
+    names = ["phi", "w", "effects.force"]
+    run = fmpy.simulate_fmu(wrapped, stop_time=4, output_interval=0.1, start_values=start, output=names)
+    # Friction of the same size inside the axis, and none around it.
+    inside = {"friction": 0.2, "effects.coulomb_friction.force": 0.0, **start}
+    same = fmpy.simulate_fmu(wrapped, stop_time=4, output_interval=0.1, start_values=inside, output=names)
+    assert max(abs(run["phi"] - same["phi"])) < 2e-3
+    assert max(abs(same["effects.force"])) == 0.0 < max(abs(run["effects.force"]))

@@ -1,6 +1,7 @@
 //! Operations, their check and their values.
 
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 /// One step of an equation; operands are places of earlier steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,13 +93,16 @@ impl Operation {
 }
 
 /// What is wrong with a list of operations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Fault {
     /// There are none.
+    #[error("it has no operation")]
     Empty,
     /// The operation at this place works on one that is not before it.
+    #[error("operation {0} works on one that is not before it")]
     Operand(usize),
     /// The operation at this place wants a parameter, a coordinate or a table that is not there.
+    #[error("operation {0} wants a parameter, a coordinate or a table that is not there")]
     Missing(usize),
 }
 

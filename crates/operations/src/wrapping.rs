@@ -1,6 +1,7 @@
 //! What an FMU around an FMU reads: the original, its port, and the effects that act there.
 
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use super::{Fault, Operation, check};
 
@@ -92,29 +93,21 @@ pub struct AddedEffect {
 }
 
 /// Why settings cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SettingsError {
     /// A port without coordinates.
+    #[error("the port has neither position nor velocity")]
     NoCoordinate,
-    /// A number that must be finite and, but for the inertia, above zero.
+    /// A number that must be finite and not zero.
+    #[error("{0} must be finite and not zero")]
     Number(&'static str),
+    /// The coupling step.
+    #[error("the coupling step must be finite and above zero")]
+    Step,
     /// An effect whose equation cannot run.
+    #[error("the equation of {0} cannot run: {1}")]
     Equation(String, Fault),
 }
-
-impl std::fmt::Display for SettingsError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::NoCoordinate => write!(f, "the port has neither position nor velocity"),
-            Self::Number(what) => write!(f, "{what} must be finite and not zero"),
-            Self::Equation(name, fault) => {
-                write!(f, "the equation of {name} cannot run: {fault:?}")
-            }
-        }
-    }
-}
-
-impl std::error::Error for SettingsError {}
 
 impl Settings {
     /// Checks that everything can run.
@@ -135,7 +128,7 @@ impl Settings {
             return Err(SettingsError::Number("the port's inertia"));
         }
         if !(is_good(self.coupling_step.start) && self.coupling_step.start > 0.0) {
-            return Err(SettingsError::Number("the coupling step"));
+            return Err(SettingsError::Step);
         }
         for effect in &self.effects {
             check(

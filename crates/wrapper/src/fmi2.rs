@@ -97,12 +97,14 @@ pub unsafe extern "C" fn fmi2Instantiate(
                     Ok(around(opening, name, functions, [visible, logging_on])?)
                 })
             } else {
-                Err(OpeningError::Null("fmuType = fmi2CoSimulation"))
+                Err(OpeningError::Interface)
             };
             match made {
                 Ok((original, settings)) => {
-                    let instance = Instance::new(original, settings, Box::new(messages));
-                    Box::into_raw(Box::new(instance)).cast()
+                    match Instance::new(original, settings, Box::new(messages)) {
+                        Ok(instance) => Box::into_raw(Box::new(instance)).cast(),
+                        Err(_) => ptr::null_mut(),
+                    }
                 }
                 Err(error) => {
                     let text = format!("fmi2Instantiate: {error}").replace('\0', " ");
@@ -222,7 +224,7 @@ exports! {
     fn fmi2Reset(|instance|) => {
         let reset: unsafe extern "C" fn(Handle) -> c_int = instance.original.function("fmi2Reset").map_err(missing)?;
         let status = reset(instance.original.handle);
-        instance.reset();
+        instance.reset()?;
         Ok(status)
     };
     fn fmi2GetReal(|instance| references: References, count: usize, values: *mut f64) => {

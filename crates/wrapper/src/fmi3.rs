@@ -8,7 +8,7 @@ use crate::guard::{
     contain, exports, forwarded, missing, no_state, place, slice, slice_mut, too_short, unsupported,
 };
 use crate::instance::{Instance, Log, Refused, Saved};
-use crate::opening::{Opening, open};
+use crate::opening::{Opening, OpeningError, open};
 use crate::original::{ERROR, Handle, Original, OriginalError, Text, is_good, symbol};
 
 type References = *const c_uint;
@@ -89,8 +89,10 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
             });
             match made {
                 Ok((original, settings)) => {
-                    let instance = Instance::new(original, settings, Box::new(messages));
-                    Box::into_raw(Box::new(instance)).cast()
+                    match Instance::new(original, settings, Box::new(messages)) {
+                        Ok(instance) => Box::into_raw(Box::new(instance)).cast(),
+                        Err(_) => ptr::null_mut(),
+                    }
                 }
                 Err(error) => {
                     let text = format!("fmi3InstantiateCoSimulation: {error}").replace('\0', " ");
@@ -154,6 +156,19 @@ unsafe fn around(
     }
 }
 
+/// Says that there is no instance of another interface.
+fn refused(function: &str, logging_on: u8, environment: Handle, logger: Option<Logger>) {
+    contain((), || {
+        let messages = Messages {
+            logger,
+            environment,
+            is_on: logging_on != 0,
+        };
+        let text = format!("{function}: {}", OpeningError::Interface);
+        messages.say(ERROR, &CString::new(text).unwrap_or_default());
+    });
+}
+
 /// `fmi3InstantiateModelExchange`: not provided, always NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3InstantiateModelExchange(
@@ -161,10 +176,16 @@ pub extern "C" fn fmi3InstantiateModelExchange(
     _token: Text,
     _resource_path: Text,
     _visible: u8,
-    _logging_on: u8,
-    _environment: Handle,
-    _logger: Option<Logger>,
+    logging_on: u8,
+    environment: Handle,
+    logger: Option<Logger>,
 ) -> Handle {
+    refused(
+        "fmi3InstantiateModelExchange",
+        logging_on,
+        environment,
+        logger,
+    );
     ptr::null_mut()
 }
 
@@ -176,13 +197,19 @@ pub extern "C" fn fmi3InstantiateScheduledExecution(
     _token: Text,
     _resource_path: Text,
     _visible: u8,
-    _logging_on: u8,
-    _environment: Handle,
-    _logger: Option<Logger>,
+    logging_on: u8,
+    environment: Handle,
+    logger: Option<Logger>,
     _clock_update: Callback,
     _lock_preemption: Callback,
     _unlock_preemption: Callback,
 ) -> Handle {
+    refused(
+        "fmi3InstantiateScheduledExecution",
+        logging_on,
+        environment,
+        logger,
+    );
     ptr::null_mut()
 }
 
@@ -279,7 +306,7 @@ exports! {
     fn fmi3Reset(|instance|) => {
         let reset: unsafe extern "C" fn(Handle) -> c_int = instance.original.function("fmi3Reset").map_err(missing)?;
         let status = reset(instance.original.handle);
-        instance.reset();
+        instance.reset()?;
         Ok(status)
     };
     fn fmi3GetFloat64(|instance| references: References, count: usize, values: *mut f64, value_count: usize) => {

@@ -149,7 +149,10 @@ unsafe impl Send for Instance {}
 
 impl Instance {
     /// An instance around a new one of the original.
-    pub fn new(original: Original, settings: Settings, log: Box<dyn Log>) -> Self {
+    ///
+    /// # Errors
+    /// The original refuses a start value.
+    pub fn new(original: Original, settings: Settings, log: Box<dyn Log>) -> Result<Self, Refused> {
         let instance = Self {
             original,
             own: Own::new(&settings),
@@ -158,27 +161,23 @@ impl Instance {
             steps: Vec::new(),
             log,
         };
-        instance.begin();
-        instance
+        instance.begin().inspect_err(|refused| {
+            instance.refuse("start values", refused);
+        })?;
+        Ok(instance)
     }
 
     /// Gives the original the start values that this FMU has instead of its own.
-    fn begin(&self) {
+    fn begin(&self) -> Result<(), Refused> {
         for &(reference, value) in &self.settings.starts {
             let status = self.original.set(&[reference], &[value]);
             if !is_good(status) {
-                let reason = format!(
-                    "the original refuses {value} for the variable with value reference {reference}"
-                );
-                self.refuse(
-                    "start values",
-                    &Refused {
-                        status,
-                        reason: Some(reason),
-                    },
-                );
+                return Err(Refused::error(format!(
+                    "the original refuses the start value {value} of the variable with value reference {reference}"
+                )));
             }
         }
+        Ok(())
     }
 
     /// Tells the importer why a call of `function` is refused; the status to return.
@@ -197,10 +196,13 @@ impl Instance {
     }
 
     /// Goes back to before the set-up, once the original is there.
-    pub fn reset(&mut self) {
+    ///
+    /// # Errors
+    /// The original refuses a start value.
+    pub fn reset(&mut self) -> Result<(), Refused> {
         self.original.forget(&mut self.before);
         self.own = Own::new(&self.settings);
-        self.begin();
+        self.begin()
     }
 
     fn place(&mut self, reference: u32) -> Option<(&str, &mut f64)> {

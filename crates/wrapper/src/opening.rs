@@ -15,6 +15,9 @@ pub enum OpeningError {
     /// An argument is NULL.
     #[error("argument '{0}' is NULL")]
     Null(&'static str),
+    /// Another interface than co-simulation is asked for.
+    #[error("an FMU around an FMU is for co-simulation alone")]
+    Interface,
     /// The resources cannot be found.
     #[error("the resource location {0} names no folder of this machine")]
     Location(String),

@@ -24,6 +24,8 @@ use crate::files::record::{Missing, Record, RecordError};
 const SHORTEST: f64 = 5.0;
 /// Most by which a sampling step may differ from the median one, relative to it, before the record is read off again at even times.
 const JITTER: f64 = 0.02;
+/// Where fewer than one in so many steps are off, the clock is even and these steps are wrong.
+const RARE: usize = 100;
 /// Longest sampling step over the mean one that is no hole.
 const HOLE: f64 = 3.0;
 
@@ -311,13 +313,21 @@ fn read(
             .windows(2)
             .map(|pair| (pair[1] - pair[0]) * to_seconds)
     };
-    let even = if steps().all(|step| (step / interval - 1.0).abs() <= JITTER) {
+    let is_off = |step: &f64| (step / interval - 1.0).abs() > JITTER;
+    let off = steps().filter(is_off).count();
+    let even = if off == 0 {
         None
     } else {
         let mean = (record.time()[count - 1] - record.time()[0]) * to_seconds / (count - 1) as f64;
-        if let Some(at) = steps().position(|step| step > HOLE * mean) {
+        // A clock that is even but for a few steps has a hole or a wrong stamp there.
+        let wrong = if off < count / RARE {
+            steps().position(|step| is_off(&step))
+        } else {
+            steps().position(|step| step > HOLE * mean)
+        };
+        if let Some(at) = wrong {
             return Err(unusable(format!(
-                "the step at {} s is {:.6} s where {mean:.6} s is usual; a stretch without holes can be given as {file}@FROM:TO",
+                "the step at {} s is {:.6} s where {interval:.6} s is usual; a stretch without holes can be given as {file}@FROM:TO",
                 record.time()[at] * to_seconds,
                 (record.time()[at + 1] - record.time()[at]) * to_seconds
             )));

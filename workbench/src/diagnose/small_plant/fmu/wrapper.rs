@@ -89,6 +89,9 @@ pub enum WrapperError {
         /// What is wrong with it.
         problem: String,
     },
+    /// The settings hold what cannot be written.
+    #[error("{SETTINGS_FILE} could not be written: {0}")]
+    Settings(#[from] serde_json::Error),
     /// A file of the original cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {
@@ -220,7 +223,7 @@ pub fn build(
         force,
         effects,
     };
-    let said = serde_json::to_string(&settings).unwrap_or_default() + &original.text;
+    let said = serde_json::to_string(&settings)? + &original.text;
     settings.token = Token::of_text(&said).to_string();
     let changes = Changes {
         version: original.description.version,
@@ -250,7 +253,7 @@ pub fn build(
     packed.add(DESCRIPTION, description)?;
     packed.add(
         &format!("resources/{SETTINGS_FILE}"),
-        serde_json::to_string_pretty(&settings).unwrap_or_default(),
+        serde_json::to_string_pretty(&settings)?,
     )?;
     packed.add("documentation/index.html", page(&settings, &changes))?;
     add_binaries(
