@@ -15,31 +15,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = ROOT / "target" / "release"
 SPRING = ROOT / "workbench" / "tests" / "wrapped_fmu"
 
-PORTS = """
-[plant]
-kind = "fmu"
-path = "line"
-fmu = "spring.fmu"
-
-[port]
-input = "force"
-position = "x"
-velocity = "v"
-inertia = 1.0
-coupling_step = 0.01
-
-[columns]
-time = { column = "t", unit = "s" }
-position = { column = "x", unit = "m" }
-
-[measurement]
-motion_low_pass = 20.0
-compare_low_pass = 10.0
-compare_rate = 40.0
-
-[coulomb_friction]
-force = 0.15
-
+# A second effect beside that of the file.
+DRAG = """
 [quadratic_drag]
 coefficient = 0.02
 """
@@ -55,7 +32,7 @@ def wrapped(tmp_path_factory):
     with zipfile.ZipFile(place / "spring.fmu", "w") as archive:
         archive.write(SPRING / "spring.xml", "modelDescription.xml")
         archive.write(library, "binaries/x86_64-linux/Spring.so")
-    (place / "ports.toml").write_text(PORTS)
+    (place / "ports.toml").write_text((SPRING / "ports.toml").read_text() + DRAG)
     subprocess.run([PROGRAMS / "stickslip", "build", place / "ports.toml", "--out", place], check=True)
     return place / "spring.amended.fmu"
 

@@ -35,6 +35,14 @@ pub struct Experiment {
     pub stimuli: Table,
 }
 
+impl Experiment {
+    /// The tolerance that is stated, or the usual one.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance.unwrap_or(USUAL_TOLERANCE)
+    }
+}
+
 /// Why an experiment could not be repeated.
 #[derive(Debug, Error)]
 pub enum RepeatError {

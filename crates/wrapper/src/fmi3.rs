@@ -4,12 +4,11 @@
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::ptr;
 
-use crate::guard::{
-    contain, exports, forwarded, missing, no_state, place, slice, slice_mut, too_short, unsupported,
-};
-use crate::instance::{Instance, Log, Refused, Saved};
+use crate::guard::{contain, exports, forwarded, missing, place, slice, slice_mut, unsupported};
+use crate::instance::{Instance, Log, Refused};
 use crate::opening::{Opening, OpeningError, open};
-use crate::original::{ERROR, Handle, Original, OriginalError, Text, is_good, symbol};
+use crate::original::{ERROR, Handle, Original, OriginalError, Text, symbol};
+use crate::states;
 
 type References = *const c_uint;
 type Logger = unsafe extern "C" fn(Handle, c_int, Text, Text);
@@ -343,57 +342,15 @@ exports! {
         *last_time = stepped.time;
         Ok(stepped.status)
     };
-    fn fmi3GetFMUState(|instance| state: *mut Handle) => {
-        let state = place(state)?;
-        if let Some(saved) = instance.save(state.cast::<Saved>().as_mut())? {
-            *state = Box::into_raw(Box::new(saved)).cast();
-        }
-        Ok(0)
-    };
-    fn fmi3SetFMUState(|instance| state: Handle) => {
-        let saved = state.cast::<Saved>().as_ref().ok_or_else(no_state)?;
-        instance.restore(saved).map(|()| 0)
-    };
-    fn fmi3FreeFMUState(|instance| state: *mut Handle) => {
-        let state = place(state)?;
-        if !state.is_null() {
-            let mut saved = Box::from_raw(state.cast::<Saved>());
-            instance.original.forget(&mut saved.original);
-            *state = ptr::null_mut();
-        }
-        Ok(0)
-    };
-    fn fmi3SerializedFMUStateSize(|instance| state: Handle, size: *mut usize) => {
-        type Size = unsafe extern "C" fn(Handle, Handle, *mut usize) -> c_int;
-        let saved = state.cast::<Saved>().as_ref().ok_or_else(no_state)?;
-        let size_of: Size = instance.original.function("fmi3SerializedFMUStateSize").map_err(missing)?;
-        let size = place(size)?;
-        let status = size_of(instance.original.handle, saved.original, size);
-        *size += instance.own_size();
-        Ok(status)
-    };
-    fn fmi3SerializeFMUState(|instance| state: Handle, bytes: *mut u8, count: usize) => {
-        type Serialize = unsafe extern "C" fn(Handle, Handle, *mut u8, usize) -> c_int;
-        let saved = state.cast::<Saved>().as_ref().ok_or_else(no_state)?;
-        let serialize: Serialize = instance.original.function("fmi3SerializeFMUState").map_err(missing)?;
-        let bytes = slice_mut(bytes, count, "serializedState")?;
-        let (own, rest) = bytes.split_at_mut_checked(instance.own_size()).ok_or_else(too_short)?;
-        own.copy_from_slice(&Instance::own_bytes(saved));
-        Ok(serialize(instance.original.handle, saved.original, rest.as_mut_ptr(), rest.len()))
-    };
-    fn fmi3DeserializeFMUState(|instance| bytes: *const u8, count: usize, state: *mut Handle) => {
-        type Deserialize = unsafe extern "C" fn(Handle, *const u8, usize, *mut Handle) -> c_int;
-        let deserialize: Deserialize = instance.original.function("fmi3DeserializeFMUState").map_err(missing)?;
-        let bytes = slice(bytes, count, "serializedState")?;
-        let (own, rest) = bytes.split_at_checked(instance.own_size()).ok_or_else(too_short)?;
-        let state = place(state)?;
-        let mut saved = instance.deserialized(own, ptr::null_mut())?;
-        let status = deserialize(instance.original.handle, rest.as_ptr(), rest.len(), &raw mut saved.original);
-        if is_good(status) {
-            *state = Box::into_raw(Box::new(saved)).cast();
-        }
-        Ok(status)
-    };
+    fn fmi3GetFMUState(|instance| state: *mut Handle) => states::get(instance, state);
+    fn fmi3SetFMUState(|instance| state: Handle) => states::set(instance, state);
+    fn fmi3FreeFMUState(|instance| state: *mut Handle) => states::free(instance, state);
+    fn fmi3SerializedFMUStateSize(|instance| state: Handle, size: *mut usize) =>
+        states::size(instance, "fmi3SerializedFMUStateSize", state, size);
+    fn fmi3SerializeFMUState(|instance| state: Handle, bytes: *mut u8, count: usize) =>
+        states::serialize(instance, "fmi3SerializeFMUState", state, (bytes, count));
+    fn fmi3DeserializeFMUState(|instance| bytes: *const u8, count: usize, state: *mut Handle) =>
+        states::deserialize(instance, "fmi3DeserializeFMUState", (bytes, count), state);
 }
 
 fn apart() -> Refused {

@@ -139,16 +139,6 @@ pub fn missing(error: OriginalError) -> Refused {
     Refused::error(error.to_string())
 }
 
-/// A state that is NULL.
-pub fn no_state() -> Refused {
-    Refused::error("argument 'FMUstate' is NULL")
-}
-
-/// Bytes that hold no state.
-pub fn too_short() -> Refused {
-    Refused::error("argument 'size' is less than the size of a serialized state")
-}
-
 /// The place for a result.
 ///
 /// # Errors
@@ -158,5 +148,5 @@ pub fn too_short() -> Refused {
 /// It is NULL or lives as long as the reference.
 pub unsafe fn place<'a, T>(pointer: *mut T) -> Result<&'a mut T, Refused> {
     // SAFETY: the caller's promise.
-    unsafe { pointer.as_mut() }.ok_or_else(|| Refused::error("an argument for a result is NULL"))
+    unsafe { pointer.as_mut() }.ok_or_else(|| Refused::error("a place for a result is NULL"))
 }

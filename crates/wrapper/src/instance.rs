@@ -5,100 +5,13 @@ use std::ffi::{CString, c_int};
 use operations::{AddedEffect, Coupling, Moment, Settings, value};
 
 use crate::original::{ERROR, Handle, Original, Stepped, is_good};
+use crate::own::Own;
 
 /// Most times that a step is taken again, and the change of the force over the largest so far at which it is not.
 const MOST_REPEATS: usize = 4;
 const SAME: f64 = 1e-9;
 /// Share of the first step after which an original that cannot go back shows how it moves.
 const GLIMPSE: f64 = 1e-3;
-
-/// What an instance has beside the original.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Own {
-    /// Parameters of every effect.
-    parameters: Vec<Vec<f64>>,
-    /// The longest step with a constant force [s].
-    coupling_step: f64,
-    /// The port's input as the importer set it, in its unit.
-    input: f64,
-    /// Start of the run [s].
-    start: f64,
-    /// Force of the effects along the motion in the last step [N or N m].
-    force: f64,
-    /// The largest so far.
-    largest: f64,
-    /// Acceleration that all other forces gave in the last step [m/s² or rad/s²].
-    free: f64,
-    /// Position and velocity at the end of the last step; `None` before the first.
-    ended: Option<(f64, f64)>,
-    /// Mean velocity over the last step, where only the position is read.
-    mean: Option<f64>,
-}
-
-/// Numbers of an [`Own`] beside the parameters.
-const NUMBERS: usize = 9;
-
-impl Own {
-    fn new(settings: &Settings) -> Self {
-        let starts = |effect: &AddedEffect| effect.parameters.iter().map(|own| own.start).collect();
-        Self {
-            parameters: settings.effects.iter().map(starts).collect(),
-            coupling_step: settings.coupling_step.start,
-            input: settings.port.start,
-            start: 0.0,
-            force: 0.0,
-            largest: 0.0,
-            free: 0.0,
-            ended: None,
-            mean: None,
-        }
-    }
-
-    /// As numbers, always the same count of them.
-    fn numbers(&self) -> Vec<f64> {
-        let (position, velocity) = self.ended.unwrap_or((f64::NAN, f64::NAN));
-        let mut numbers = vec![
-            self.coupling_step,
-            self.input,
-            self.start,
-            self.force,
-            self.largest,
-            self.free,
-            position,
-            velocity,
-            self.mean.unwrap_or(f64::NAN),
-        ];
-        numbers.extend(self.parameters.iter().flatten());
-        numbers
-    }
-
-    /// From [`Own::numbers`].
-    fn take(&mut self, numbers: &[f64]) -> Option<()> {
-        let (own, mut rest) = numbers.split_at_checked(NUMBERS)?;
-        let known = |value: f64| (!value.is_nan()).then_some(value);
-        self.coupling_step = own[0];
-        self.input = own[1];
-        self.start = own[2];
-        self.force = own[3];
-        self.largest = own[4];
-        self.free = own[5];
-        self.ended = known(own[6]).zip(known(own[7]));
-        self.mean = known(own[8]);
-        for parameters in &mut self.parameters {
-            let (mine, others) = rest.split_at_checked(parameters.len())?;
-            parameters.copy_from_slice(mine);
-            rest = others;
-        }
-        Some(())
-    }
-}
-
-/// A state that the importer holds.
-pub struct Saved {
-    /// That of the original.
-    pub original: Handle,
-    own: Own,
-}
 
 /// Why a call is refused.
 pub struct Refused {
@@ -137,7 +50,8 @@ pub struct Instance {
     /// The original.
     pub original: Original,
     settings: Settings,
-    own: Own,
+    /// What it has beside that.
+    pub own: Own,
     /// State before a step, where the original can save it.
     before: Handle,
     steps: Vec<f64>,
@@ -281,73 +195,6 @@ impl Instance {
             };
         }
         Ok(())
-    }
-
-    /// Saves the state; `old` is one to be written over.
-    ///
-    /// # Errors
-    /// The original cannot, or refuses.
-    pub fn save(&mut self, old: Option<&mut Saved>) -> Result<Option<Saved>, Refused> {
-        let cannot = || Refused::error("the original cannot save its state");
-        let mut state = old
-            .as_ref()
-            .map_or(std::ptr::null_mut(), |old| old.original);
-        let status = self.original.save(&mut state).ok_or_else(cannot)?;
-        if !is_good(status) {
-            return Err(Refused::original(status));
-        }
-        let saved = Saved {
-            original: state,
-            own: self.own.clone(),
-        };
-        match old {
-            Some(old) => {
-                *old = saved;
-                Ok(None)
-            }
-            None => Ok(Some(saved)),
-        }
-    }
-
-    /// Goes back to a saved state.
-    ///
-    /// # Errors
-    /// A status of the original.
-    pub fn restore(&mut self, saved: &Saved) -> Result<(), Refused> {
-        let status = self.original.restore(saved.original);
-        if !is_good(status) {
-            return Err(Refused::original(status));
-        }
-        self.own.clone_from(&saved.own);
-        Ok(())
-    }
-
-    /// Bytes that a serialised state has beside the original's.
-    pub fn own_size(&self) -> usize {
-        8 * self.own.numbers().len()
-    }
-
-    /// Those bytes of `saved`.
-    pub fn own_bytes(saved: &Saved) -> Vec<u8> {
-        let numbers = saved.own.numbers();
-        numbers.iter().flat_map(|own| own.to_le_bytes()).collect()
-    }
-
-    /// A state from those bytes and the original's state.
-    ///
-    /// # Errors
-    /// The bytes are not of this FMU.
-    pub fn deserialized(&self, bytes: &[u8], original: Handle) -> Result<Saved, Refused> {
-        let numbers: Vec<f64> = bytes
-            .as_chunks::<8>()
-            .0
-            .iter()
-            .map(|own| f64::from_le_bytes(*own))
-            .collect();
-        let mut own = self.own.clone();
-        own.take(&numbers)
-            .ok_or_else(|| Refused::error("the serialized state is not one of this FMU"))?;
-        Ok(Saved { original, own })
     }
 
     /// A force along the motion [N or N m] as the port's input takes it.

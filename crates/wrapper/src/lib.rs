@@ -9,6 +9,8 @@ mod guard;
 mod instance;
 mod opening;
 mod original;
+mod own;
+mod states;
 
 pub use fmi2::*;
 pub use fmi3::*;

@@ -15,10 +15,10 @@ use crate::diagnose::small_plant::fmu::wrapper;
 use crate::diagnose::small_plant::model_file::{SmallModel, is_small_plant};
 use crate::diagnose::small_plant::unit::Kind;
 
-/// Packs a model.toml and the prebuilt library into FMUs.
+/// Packs a model.toml and the prebuilt library into FMUs, or an FMU and the effects of its ports file into one.
 #[derive(Debug, Args)]
 pub struct BuildArguments {
-    /// Model (.toml).
+    /// Model or ports file (.toml).
     pub model: PathBuf,
     /// Directory for the FMUs.
     #[arg(long, value_name = "DIR")]

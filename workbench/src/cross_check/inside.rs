@@ -11,9 +11,6 @@ use crate::cli::Outcome;
 use crate::component::{self, Description, Fmu};
 use crate::files::atomic::write_file;
 
-/// Tolerance in the options of an experiment that states none: that which tools take if they are not told another.
-const USUAL_TOLERANCE: f64 = 1e-4;
-
 /// Repeats the experiments inside the FMU and writes its files of the cross-check with what came out, `_out.csv`.
 pub(super) fn check(path: &Path, out: &Path) -> anyhow::Result<Outcome> {
     let (findings, trials) = lint::trials(&Package::open(path)?);
@@ -46,7 +43,7 @@ pub(super) fn check(path: &Path, out: &Path) -> anyhow::Result<Outcome> {
             experiment.start,
             experiment.stop,
             experiment.step,
-            experiment.tolerance.unwrap_or(USUAL_TOLERANCE),
+            experiment.tolerance(),
         );
         let fmu = fs::read(path).with_context(|| format!("{}", path.display()))?;
         for (end, content) in [

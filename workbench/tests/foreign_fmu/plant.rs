@@ -5,15 +5,12 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::fs::{self, File};
-use std::io::Write as _;
 use std::path::Path;
-use std::process::Command;
 use std::sync::OnceLock;
 
 use inference::random::Random;
-use zip::ZipWriter;
-use zip::write::SimpleFileOptions;
+
+use crate::common::{compiled, pack};
 
 /// Name, causality, unit and start value of the axis' variables, in the order of their references.
 const VARIABLES: [(&str, &str, &str, f64); 12] = [
@@ -68,21 +65,7 @@ m = { value = 0.6, unit = "N.m", relative_uncertainty = 0.05 }
 /// The axis' library, compiled once.
 fn library() -> &'static [u8] {
     static LIBRARY: OnceLock<Vec<u8>> = OnceLock::new();
-    LIBRARY.get_or_init(|| {
-        let directory = tempfile::tempdir().unwrap();
-        let file = directory.path().join("axis.library");
-        let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../hidden-records/fmu/axis.rs");
-        let compiler = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-        let done = Command::new(compiler)
-            .args(["--edition", "2024", "--crate-type", "cdylib", "-O", source, "-o"])
-            .arg(&file)
-            .status();
-        assert!(
-            done.as_ref().is_ok_and(std::process::ExitStatus::success),
-            "{done:?}: the tests compile {source} with rustc; put it into the PATH, or name it in RUSTC"
-        );
-        fs::read(file).unwrap()
-    })
+    LIBRARY.get_or_init(|| compiled("hidden-records/fmu/axis.rs"))
 }
 
 /// Writes the FMU, with other start values of some parameters.
@@ -124,17 +107,13 @@ pub fn write_fmu(path: &Path, starts: &[(&str, f64)]) {
         usize::BITS,
         std::env::consts::DLL_EXTENSION
     );
-    let mut archive = ZipWriter::new(File::create(path).unwrap());
-    for (name, content) in [
-        ("modelDescription.xml", description.as_bytes()),
-        (&binary, library()),
-    ] {
-        archive
-            .start_file(name, SimpleFileOptions::default())
-            .unwrap();
-        archive.write_all(content).unwrap();
-    }
-    archive.finish().unwrap();
+    pack(
+        path,
+        &[
+            ("modelDescription.xml", description.as_bytes()),
+            (&binary, library()),
+        ],
+    );
 }
 
 /// Torque that the real axis has beside the FMU's, from angle and angular velocity; dry friction apart.

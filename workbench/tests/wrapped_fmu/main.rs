@@ -6,66 +6,24 @@
 mod common;
 
 use std::fs::{self, File};
-use std::io::{Read as _, Write as _};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::OnceLock;
 
 use workbench::component::{self, Component};
-use zip::write::SimpleFileOptions;
-use zip::{ZipArchive, ZipWriter};
+use zip::ZipArchive;
 
-use crate::common::{stickslip, wrapper_library};
+use crate::common::{compiled, pack, stickslip, wrapper_library};
 
 const DESCRIPTION: &str = include_str!("spring.xml");
 
 /// Ports of the spring with dry friction, as a person would write them.
-const PORTS: &str = r#"[plant]
-kind = "fmu"
-path = "line"
-fmu = "spring.fmu"
-
-[port]
-input = "force"
-position = "x"
-velocity = "v"
-inertia = 1.0
-coupling_step = 0.01
-
-[columns]
-time = { column = "t", unit = "s" }
-position = { column = "x", unit = "m" }
-
-[measurement]
-motion_low_pass = 20.0
-compare_low_pass = 10.0
-compare_rate = 40.0
-
-[parameters]
-stiffness = { value = 1.0, unit = "N/m", relative_uncertainty = 0.05 }
-
-[coulomb_friction]
-force = 0.15
-"#;
+const PORTS: &str = include_str!("ports.toml");
 
 /// The spring's library, compiled once.
 fn library() -> &'static [u8] {
     static LIBRARY: OnceLock<Vec<u8>> = OnceLock::new();
-    LIBRARY.get_or_init(|| {
-        let directory = tempfile::tempdir().unwrap();
-        let file = directory.path().join("spring.library");
-        let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/wrapped_fmu/spring.rs");
-        let compiler = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-        let done = Command::new(compiler)
-            .args(["--edition", "2024", "--crate-type", "cdylib", "-O", source, "-o"])
-            .arg(&file)
-            .status();
-        assert!(
-            done.as_ref().is_ok_and(std::process::ExitStatus::success),
-            "{done:?}: the tests compile {source} with rustc; put it into the PATH, or name it in RUSTC"
-        );
-        fs::read(file).unwrap()
-    })
+    LIBRARY.get_or_init(|| compiled("workbench/tests/wrapped_fmu/spring.rs"))
 }
 
 fn binary() -> String {
@@ -87,18 +45,17 @@ impl Place {
     /// With a spring of this description.
     fn of(description: &str) -> Self {
         let place = Self(tempfile::tempdir().unwrap());
-        let mut archive = ZipWriter::new(File::create(place.file("spring.fmu")).unwrap());
-        let notes = b"what its maker wants to be read".as_slice();
-        for (name, content) in [
-            ("modelDescription.xml", description.as_bytes()),
-            (&binary(), library()),
-            ("documentation/notes.txt", notes),
-        ] {
-            let options = SimpleFileOptions::default();
-            archive.start_file(name, options).unwrap();
-            archive.write_all(content).unwrap();
-        }
-        archive.finish().unwrap();
+        pack(
+            &place.file("spring.fmu"),
+            &[
+                ("modelDescription.xml", description.as_bytes()),
+                (&binary(), library()),
+                (
+                    "documentation/notes.txt",
+                    b"what its maker wants to be read",
+                ),
+            ],
+        );
         place
     }
 

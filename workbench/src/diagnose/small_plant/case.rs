@@ -1,33 +1,26 @@
 //! A small plant's case: model, records to learn from, record to judge on.
 
-use std::fs;
 use std::path::{Path as FilePath, PathBuf};
 
 use thiserror::Error;
 
 use super::catalogue::{CATALOGUE, entry};
-use super::columns::Quantity;
 use super::evidence::unit;
-use super::fmu::missing::{Chased, MissingError, Recorded};
+use super::fmu::missing::{Chased, MissingError};
 use super::fmu::plant::Plant;
 use super::model::Model;
 use super::model_file::{SmallModel, SmallModelError};
-use super::motion::{Measured, Motion, Scales, root_mean_square};
+use super::motion::{Motion, Scales, root_mean_square};
 use super::problem::Problem;
+use super::reading::read;
 use super::showing::balance;
 use super::unit::Kind;
 use crate::diagnose::material::Material;
 use crate::diagnose::record_part::Part;
-use crate::files::record::{Missing, Record, RecordError};
+use crate::files::record::RecordError;
 
 /// Least length of all records to learn from together, in periods of the motion.
 const SHORTEST: f64 = 5.0;
-/// Most by which a sampling step may differ from the median one, relative to it, before the record is read off again at even times.
-const JITTER: f64 = 0.02;
-/// Where fewer than one in so many steps are off, the clock is even and these steps are wrong.
-const RARE: usize = 100;
-/// Longest sampling step over the mean one that is no hole.
-const HOLE: f64 = 3.0;
 
 /// A case, read and checked.
 #[derive(Debug, Clone)]
@@ -252,237 +245,6 @@ pub fn check_effect(name: &str) -> Result<(), String> {
     ))
 }
 
-fn read(
-    part: &Part,
-    model: &SmallModel,
-    driven: &[&str],
-    notes: &mut Vec<String>,
-) -> Result<Recorded, SmallCaseError> {
-    let file = part.path.display().to_string();
-    let unusable = |what: String| SmallCaseError::Unusable {
-        file: file.clone(),
-        what,
-    };
-    let time_name = &model.columns.time.column;
-    let text = match &part.table {
-        // A table's time stands apart from its columns, and has the name that is asked for.
-        Some(table) => table.to_csv().replacen("time", time_name, 1),
-        None => fs::read_to_string(&part.path).map_err(|source| SmallCaseError::Read {
-            path: part.path.clone(),
-            source,
-        })?,
-    };
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-    let (header, rows) = text.split_once('\n').unwrap_or((text, ""));
-    let names: Vec<&str> = header
-        .split(',')
-        .map(|name| name.trim().trim_matches('"'))
-        .collect();
-    if names.first() != Some(&time_name.as_str()) {
-        return Err(unusable(format!(
-            "the first column is `{}`; the model's [columns] names `{time_name}` as time, which must come first",
-            names.first().unwrap_or(&"")
-        )));
-    }
-    let known = names.join(", ");
-    let renamed = std::iter::once("time").chain(names.into_iter().skip(1));
-    let text = format!("{}\n{rows}", renamed.collect::<Vec<_>>().join(","));
-    let record = Record::parse(&text, &file, Missing::Refuse)?;
-    let path = model.model.path;
-    let factor = |quantity: Quantity| -> f64 {
-        let column = model.columns.given().find(|(given, _)| *given == quantity);
-        column
-            .and_then(|(_, column)| column.factor(quantity, path).ok())
-            .unwrap_or(1.0)
-    };
-    let to_seconds = factor(Quantity::Time);
-    let record = match part.span {
-        Some((from, to)) => record.window(from / to_seconds, to / to_seconds),
-        None => record,
-    };
-    let count = record.len();
-    let interval = record.median_step() * to_seconds;
-    if count < 100 || !interval.is_finite() {
-        return Err(unusable(format!(
-            "{count} samples are too few; at least 100 are needed"
-        )));
-    }
-    let steps = || {
-        record
-            .time()
-            .windows(2)
-            .map(|pair| (pair[1] - pair[0]) * to_seconds)
-    };
-    let is_off = |step: &f64| (step / interval - 1.0).abs() > JITTER;
-    let off = steps().filter(is_off).count();
-    let even = if off == 0 {
-        None
-    } else {
-        let mean = (record.time()[count - 1] - record.time()[0]) * to_seconds / (count - 1) as f64;
-        // A clock that is even but for a few steps has a hole or a wrong stamp there.
-        let wrong = if off < count / RARE {
-            steps().position(|step| is_off(&step))
-        } else {
-            steps().position(|step| step > HOLE * mean)
-        };
-        if let Some(at) = wrong {
-            return Err(unusable(format!(
-                "the step at {} s is {:.6} s where {interval:.6} s is usual; a stretch without holes can be given as {file}@FROM:TO",
-                record.time()[at] * to_seconds,
-                (record.time()[at + 1] - record.time()[at]) * to_seconds
-            )));
-        }
-        notes.push(format!(
-            "{file}: steps of time from {:.6} to {:.6} s; its columns were read off every {mean:.6} s, straight between samples",
-            steps().fold(f64::INFINITY, f64::min),
-            steps().fold(0.0, f64::max)
-        ));
-        Some(mean / to_seconds)
-    };
-    let interval = even.map_or(interval, |step| step * to_seconds);
-    let rate = 1.0 / interval;
-    let measurement = &model.measurement;
-    for (key, cut_off) in [
-        ("motion_low_pass", Some(measurement.motion_low_pass)),
-        ("compare_low_pass", measurement.compare_low_pass),
-    ] {
-        if cut_off.is_some_and(|cut_off| cut_off >= 0.45 * rate) {
-            return Err(unusable(format!(
-                "is sampled at {rate:.1} Hz; the model's [measurement] {key} must be below {:.1} Hz",
-                0.45 * rate
-            )));
-        }
-    }
-    if measurement.compare_rate > 1.001 * rate {
-        return Err(unusable(format!(
-            "is sampled at {rate:.1} Hz; the model's [measurement] compare_rate must not be above that"
-        )));
-    }
-    let series = |quantity: Quantity| -> Result<Option<Vec<f64>>, SmallCaseError> {
-        let Some((_, column)) = model.columns.given().find(|(given, _)| *given == quantity) else {
-            return Ok(None);
-        };
-        let values = record
-            .column(&column.column)
-            .ok_or_else(|| SmallCaseError::NoColumn {
-                file: file.clone(),
-                column: column.column.clone(),
-                quantity: quantity.word(),
-                known: known.clone(),
-            })?;
-        let factor = factor(quantity);
-        let values = match even {
-            Some(step) => at_even_times(record.time(), values, step),
-            None => values.to_vec(),
-        };
-        Ok(Some(values.iter().map(|value| value * factor).collect()))
-    };
-    let measured = match (series(Quantity::Position)?, series(Quantity::Velocity)?) {
-        (Some(position), Some(velocity)) => {
-            check_velocity(&position, &velocity, interval).map_err(unusable)?;
-            Measured::Both(position, velocity)
-        }
-        (Some(position), None) => Measured::Position(position),
-        (None, Some(velocity)) => Measured::Velocity(velocity),
-        (None, None) => {
-            return Err(unusable(
-                "neither position nor velocity is named in [columns]".to_owned(),
-            ));
-        }
-    };
-    let begin = record.time()[0] * to_seconds;
-    let name = part.span.map_or_else(
-        || file_name(&part.path),
-        |(from, to)| format!("{} {from}–{to} s", file_name(&part.path)),
-    );
-    let mut motion = Motion::new(
-        name,
-        begin,
-        interval,
-        measured,
-        measurement.motion_low_pass,
-        measurement.standstill_speed,
-    );
-    if let Some(force) = series(Quantity::Force)? {
-        motion.force = force;
-    }
-    if let Some(load) = series(Quantity::Load)? {
-        motion.load = load;
-    }
-    if let Some(predicted) = series(Quantity::Predicted)? {
-        motion.predicted = predicted;
-    }
-    if model.model.kind == Kind::Joint {
-        motion.voltage = match (series(Quantity::Voltage)?, series(Quantity::Duty)?) {
-            (Some(voltage), _) => voltage,
-            (None, duty) => {
-                let supply = series(Quantity::Supply)?.unwrap_or_default();
-                let duty = duty.unwrap_or_default().into_iter();
-                duty.zip(supply)
-                    .map(|(share, volts)| share * volts)
-                    .collect()
-            }
-        };
-        motion.connected = series(Quantity::Connected)?.unwrap_or(vec![1.0; motion.len()]);
-        let cut_off = measurement
-            .compare_low_pass
-            .unwrap_or(0.5 * measurement.compare_rate);
-        motion.leave_rests_out(measurement.standstill_speed, cut_off);
-    }
-    let driven = driven.iter().map(|name| {
-        let values = record
-            .column(name)
-            .ok_or_else(|| SmallCaseError::NoColumn {
-                file: file.clone(),
-                column: (*name).to_owned(),
-                quantity: "what drives an input",
-                known: known.clone(),
-            })?;
-        Ok(match even {
-            Some(step) => at_even_times(record.time(), values, step),
-            None => values.to_vec(),
-        })
-    });
-    let driven = driven.collect::<Result<Vec<_>, SmallCaseError>>()?;
-    Ok(Recorded { motion, driven })
-}
-
-/// A column at even steps of time from its first sample on, straight between samples.
-fn at_even_times(time: &[f64], values: &[f64], step: f64) -> Vec<f64> {
-    let mut low = 0;
-    (0..time.len())
-        .map(|at| {
-            let wanted = time[0] + at as f64 * step;
-            while low + 2 < time.len() && time[low + 1] < wanted {
-                low += 1;
-            }
-            let part = ((wanted - time[low]) / (time[low + 1] - time[low])).clamp(0.0, 1.0);
-            values[low] + part * (values[low + 1] - values[low])
-        })
-        .collect()
-}
-
-/// Refuses a velocity that is not the position's, such as one in rpm called rad/s.
-fn check_velocity(position: &[f64], velocity: &[f64], interval: f64) -> Result<(), String> {
-    // Over some samples, so that the noise of single readings does not count.
-    let wide = 20.min(position.len() / 4).max(1);
-    let (mut product, mut square) = (0.0, 0.0);
-    for at in 0..position.len() - wide {
-        let moved = position[at + wide] - position[at];
-        let summed = velocity[at..at + wide].iter().sum::<f64>() * interval;
-        product += moved * summed;
-        square += summed * summed;
-    }
-    let ratio = product / square;
-    if (0.9..1.1).contains(&ratio) {
-        Ok(())
-    } else {
-        Err(format!(
-            "the position changes {ratio:.4} times as fast as the velocity says; check the units in [columns] (rpm to rad/s is 0.1047, deg to rad 0.01745)"
-        ))
-    }
-}
-
 /// Load over its mean on the records learned from.
 fn relate_load(
     model: &SmallModel,
@@ -557,14 +319,6 @@ fn continues(last: &Part, held_out: &Part) -> bool {
         (Some((_, to)), Some((from, _))) => same_file(&last.path, &held_out.path) && to == from,
         _ => false,
     }
-}
-
-/// Last part of a path.
-fn file_name(path: &FilePath) -> String {
-    path.file_name().map_or_else(
-        || path.display().to_string(),
-        |name| name.to_string_lossy().into_owned(),
-    )
 }
 
 impl SmallCase {

@@ -27,6 +27,7 @@ mod model_text;
 pub mod motion;
 pub mod naming;
 pub mod problem;
+pub mod reading;
 pub mod report;
 pub mod showing;
 pub mod structure;

@@ -13,6 +13,7 @@ use thiserror::Error;
 use super::plant::{Plant, PlantError};
 use super::wrapper_description::{Abilities, Added, Changes, abilities, changed};
 use crate::component::{Archive, ArchiveError, ComponentError, Description, FmiVersion};
+use crate::diagnose::report::markup::escape;
 use crate::diagnose::small_plant::base::PARAMETERS;
 use crate::diagnose::small_plant::equation::as_operations;
 use crate::diagnose::small_plant::model::Term;
@@ -417,17 +418,16 @@ fn add_all(packed: &mut Packed, root: &FilePath, folder: &FilePath) -> Result<()
 
 /// What the FMU tells people.
 fn page(settings: &Settings, changes: &Changes) -> String {
-    let escaped = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;");
     let rows: String = changes
         .added
         .iter()
         .map(|own| {
             format!(
                 "<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                escaped(&own.name),
+                escape(&own.name),
                 own.start.map_or(String::new(), |start| start.to_string()),
-                escaped(&own.unit),
-                escaped(&own.description)
+                escape(&own.unit),
+                escape(&own.description)
             )
         })
         .collect();
@@ -437,8 +437,8 @@ fn page(settings: &Settings, changes: &Changes) -> String {
         .map(|effect| {
             format!(
                 "<li>{}: force against the motion = <code>{}</code></li>\n",
-                escaped(&effect.name),
-                escaped(&effect.equation)
+                escape(&effect.name),
+                escape(&effect.equation)
             )
         })
         .collect();
@@ -452,7 +452,7 @@ fn page(settings: &Settings, changes: &Changes) -> String {
          <table><tr><th>Variable</th><th>Start</th><th>Unit</th><th></th></tr>\n{rows}</table>\n\
          <p>Directional and output derivatives, derivatives of inputs, event mode and model exchange of the original are not \
          provided.</p>\n</body></html>\n",
-        title = escaped(&changes.model_name),
+        title = escape(&changes.model_name),
         input = settings.port.input.0,
         restores = if settings.can_restore {
             "; the original goes back to the start of a step until force and motion agree"

@@ -1,0 +1,317 @@
+//! A record of a small plant from its file: columns found, units converted, times made even.
+
+use std::fs;
+use std::path::Path as FilePath;
+
+use super::case::SmallCaseError;
+use super::columns::Quantity;
+use super::fmu::missing::Recorded;
+use super::model_file::SmallModel;
+use super::motion::{Measured, Motion};
+use super::unit::Kind;
+use crate::diagnose::record_part::Part;
+use crate::files::record::{Missing, Record};
+
+/// Fewest samples of a record.
+const FEWEST: usize = 100;
+/// Most by which a sampling step may differ from the median one, relative to it, before the record is read off again at even times.
+const JITTER: f64 = 0.02;
+/// A clock of which fewer than one step in so many is off is even, and these steps are wrong: a bus or a loaded computer puts off many.
+const RARE: usize = 100;
+/// Highest frequency that samples tell, over their rate: a little below Nyquist's.
+const TOLD: f64 = 0.45;
+
+/// Reads a record; `driven` names columns that are wanted as they are, `notes` takes what has to be said.
+///
+/// # Errors
+/// [`SmallCaseError`], naming the file and what would be right.
+pub fn read(
+    part: &Part,
+    model: &SmallModel,
+    driven: &[&str],
+    notes: &mut Vec<String>,
+) -> Result<Recorded, SmallCaseError> {
+    let sheet = Sheet::open(part, model, notes)?;
+    let measurement = &model.measurement;
+    let measured = match (
+        sheet.series(Quantity::Position)?,
+        sheet.series(Quantity::Velocity)?,
+    ) {
+        (Some(position), Some(velocity)) => {
+            check_velocity(&position, &velocity, sheet.interval)
+                .map_err(|what| sheet.unusable(what))?;
+            Measured::Both(position, velocity)
+        }
+        (Some(position), None) => Measured::Position(position),
+        (None, Some(velocity)) => Measured::Velocity(velocity),
+        (None, None) => {
+            return Err(
+                sheet.unusable("neither position nor velocity is named in [columns]".to_owned())
+            );
+        }
+    };
+    let mut motion = Motion::new(
+        part.span.map_or_else(
+            || file_name(&part.path),
+            |(from, to)| format!("{} {from}–{to} s", file_name(&part.path)),
+        ),
+        sheet.record.time()[0] * sheet.factor(Quantity::Time),
+        sheet.interval,
+        measured,
+        measurement.motion_low_pass,
+        measurement.standstill_speed,
+    );
+    if let Some(force) = sheet.series(Quantity::Force)? {
+        motion.force = force;
+    }
+    if let Some(load) = sheet.series(Quantity::Load)? {
+        motion.load = load;
+    }
+    if let Some(predicted) = sheet.series(Quantity::Predicted)? {
+        motion.predicted = predicted;
+    }
+    if model.model.kind == Kind::Joint {
+        motion.voltage = match (
+            sheet.series(Quantity::Voltage)?,
+            sheet.series(Quantity::Duty)?,
+        ) {
+            (Some(voltage), _) => voltage,
+            (None, duty) => {
+                let supply = sheet.series(Quantity::Supply)?.unwrap_or_default();
+                let duty = duty.unwrap_or_default().into_iter();
+                duty.zip(supply)
+                    .map(|(share, volts)| share * volts)
+                    .collect()
+            }
+        };
+        motion.connected = sheet
+            .series(Quantity::Connected)?
+            .unwrap_or(vec![1.0; motion.len()]);
+        let cut_off = measurement
+            .compare_low_pass
+            .unwrap_or(0.5 * measurement.compare_rate);
+        motion.leave_rests_out(measurement.standstill_speed, cut_off);
+    }
+    let driven = driven
+        .iter()
+        .map(|name| sheet.column(name, "what drives an input"));
+    let driven = driven.collect::<Result<Vec<_>, SmallCaseError>>()?;
+    Ok(Recorded { motion, driven })
+}
+
+/// A record's table with its clock.
+struct Sheet<'a> {
+    model: &'a SmallModel,
+    file: String,
+    /// The columns that are there, for messages.
+    known: String,
+    record: Record,
+    /// Sampling interval [s].
+    interval: f64,
+    /// Step of the even times at which the columns are read off, in the file's unit; `None` where its own are even.
+    even: Option<f64>,
+}
+
+impl<'a> Sheet<'a> {
+    fn open(
+        part: &Part,
+        model: &'a SmallModel,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, SmallCaseError> {
+        let file = part.path.display().to_string();
+        let time_name = &model.columns.time.column;
+        let text = match &part.table {
+            // A table's time stands apart from its columns, and has the name that is asked for.
+            Some(table) => table.to_csv().replacen("time", time_name, 1),
+            None => fs::read_to_string(&part.path).map_err(|source| SmallCaseError::Read {
+                path: part.path.clone(),
+                source,
+            })?,
+        };
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let (header, rows) = text.split_once('\n').unwrap_or((text, ""));
+        let names: Vec<&str> = header
+            .split(',')
+            .map(|name| name.trim().trim_matches('"'))
+            .collect();
+        if names.first() != Some(&time_name.as_str()) {
+            return Err(SmallCaseError::Unusable {
+                what: format!(
+                    "the first column is `{}`; the model's [columns] names `{time_name}` as time, which must come first",
+                    names.first().unwrap_or(&"")
+                ),
+                file,
+            });
+        }
+        let known = names.join(", ");
+        let renamed = std::iter::once("time").chain(names.into_iter().skip(1));
+        let text = format!("{}\n{rows}", renamed.collect::<Vec<_>>().join(","));
+        let record = Record::parse(&text, &file, Missing::Refuse)?;
+        let mut sheet = Self {
+            model,
+            file,
+            known,
+            record,
+            interval: f64::NAN,
+            even: None,
+        };
+        let to_seconds = sheet.factor(Quantity::Time);
+        if let Some((from, to)) = part.span {
+            sheet.record = sheet.record.window(from / to_seconds, to / to_seconds);
+        }
+        sheet.look_at_the_clock(notes)?;
+        Ok(sheet)
+    }
+
+    /// Finds the sampling interval, and whether the times are even.
+    fn look_at_the_clock(&mut self, notes: &mut Vec<String>) -> Result<(), SmallCaseError> {
+        let to_seconds = self.factor(Quantity::Time);
+        let (count, usual) = (self.record.len(), self.record.median_step() * to_seconds);
+        if count < FEWEST || !usual.is_finite() {
+            return Err(self.unusable(format!(
+                "{count} samples are too few; at least {FEWEST} are needed"
+            )));
+        }
+        let time = self.record.time();
+        let steps: Vec<f64> = time
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]) * to_seconds)
+            .collect();
+        let is_off = |step: &f64| (step / usual - 1.0).abs() > JITTER;
+        let off = steps.iter().filter(|step| is_off(step)).count();
+        let longest = steps.iter().copied().fold(0.0, f64::max);
+        let is_even = off < steps.len().div_ceil(RARE);
+        if let Some(at) = steps.iter().position(is_off)
+            && is_even
+        {
+            return Err(self.unusable(format!(
+                "the step at {} s is {:.6} s where {usual:.6} s is usual; a stretch without holes can be given as {}@FROM:TO",
+                time[at] * to_seconds,
+                steps[at],
+                self.file
+            )));
+        }
+        self.interval = usual;
+        if !is_even {
+            self.interval = (time[count - 1] - time[0]) * to_seconds / (count - 1) as f64;
+            self.even = Some(self.interval / to_seconds);
+            let shortest = steps.iter().copied().fold(f64::INFINITY, f64::min);
+            notes.push(format!(
+                "{}: steps of time from {shortest:.6} to {longest:.6} s; its columns were read off every {:.6} s, straight between \
+                 samples",
+                self.file, self.interval
+            ));
+        }
+        // Where the clock is not even, what the longest step still tells counts.
+        let rate = 1.0 / if is_even { usual } else { longest };
+        let measurement = &self.model.measurement;
+        for (key, cut_off) in [
+            ("motion_low_pass", Some(measurement.motion_low_pass)),
+            ("compare_low_pass", measurement.compare_low_pass),
+        ] {
+            if cut_off.is_some_and(|cut_off| cut_off >= TOLD * rate) {
+                return Err(self.unusable(format!(
+                    "is sampled at {rate:.1} Hz{}; the model's [measurement] {key} must be below {:.1} Hz",
+                    if is_even { "" } else { " in its longest step" },
+                    TOLD * rate
+                )));
+            }
+        }
+        let rate = 1.0 / self.interval;
+        if measurement.compare_rate > 1.001 * rate {
+            return Err(self.unusable(format!(
+                "is sampled at {rate:.1} Hz; the model's [measurement] compare_rate must not be above that"
+            )));
+        }
+        Ok(())
+    }
+
+    fn unusable(&self, what: String) -> SmallCaseError {
+        SmallCaseError::Unusable {
+            file: self.file.clone(),
+            what,
+        }
+    }
+
+    /// What one of a column's unit is in SI units.
+    fn factor(&self, quantity: Quantity) -> f64 {
+        let path = self.model.model.path;
+        let mut given = self.model.columns.given();
+        let column = given.find(|(given, _)| *given == quantity);
+        column
+            .and_then(|(_, column)| column.factor(quantity, path).ok())
+            .unwrap_or(1.0)
+    }
+
+    /// A column at even times, as it is.
+    fn column(&self, name: &str, quantity: &'static str) -> Result<Vec<f64>, SmallCaseError> {
+        let values = self
+            .record
+            .column(name)
+            .ok_or_else(|| SmallCaseError::NoColumn {
+                file: self.file.clone(),
+                column: name.to_owned(),
+                quantity,
+                known: self.known.clone(),
+            })?;
+        Ok(match self.even {
+            Some(step) => at_even_times(self.record.time(), values, step),
+            None => values.to_vec(),
+        })
+    }
+
+    /// A quantity in SI units; `None` where the model names no column for it.
+    fn series(&self, quantity: Quantity) -> Result<Option<Vec<f64>>, SmallCaseError> {
+        let mut given = self.model.columns.given();
+        let Some((_, column)) = given.find(|(given, _)| *given == quantity) else {
+            return Ok(None);
+        };
+        let factor = self.factor(quantity);
+        let values = self.column(&column.column, quantity.word())?;
+        Ok(Some(values.iter().map(|value| value * factor).collect()))
+    }
+}
+
+/// A column at even steps of time from its first sample on, straight between samples.
+fn at_even_times(time: &[f64], values: &[f64], step: f64) -> Vec<f64> {
+    let mut low = 0;
+    (0..time.len())
+        .map(|at| {
+            let wanted = time[0] + at as f64 * step;
+            while low + 2 < time.len() && time[low + 1] < wanted {
+                low += 1;
+            }
+            let part = ((wanted - time[low]) / (time[low + 1] - time[low])).clamp(0.0, 1.0);
+            values[low] + part * (values[low + 1] - values[low])
+        })
+        .collect()
+}
+
+/// Refuses a velocity that is not the position's, such as one in rpm called rad/s.
+fn check_velocity(position: &[f64], velocity: &[f64], interval: f64) -> Result<(), String> {
+    // Over some samples, so that the noise of single readings does not count.
+    let wide = 20.min(position.len() / 4).max(1);
+    let (mut product, mut square) = (0.0, 0.0);
+    for at in 0..position.len() - wide {
+        let moved = position[at + wide] - position[at];
+        let summed = velocity[at..at + wide].iter().sum::<f64>() * interval;
+        product += moved * summed;
+        square += summed * summed;
+    }
+    let ratio = product / square;
+    if (0.9..1.1).contains(&ratio) {
+        Ok(())
+    } else {
+        Err(format!(
+            "the position changes {ratio:.4} times as fast as the velocity says; check the units in [columns] (rpm to rad/s is 0.1047, deg to rad 0.01745)"
+        ))
+    }
+}
+
+/// Last part of a path.
+fn file_name(path: &FilePath) -> String {
+    path.file_name().map_or_else(
+        || path.display().to_string(),
+        |name| name.to_string_lossy().into_owned(),
+    )
+}
