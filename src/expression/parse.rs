@@ -108,8 +108,8 @@ fn check_jumps(program: &Program, names: &Names<'_>) -> Result<(), ExpressionErr
             && depends_on_rate(program, *argument, names)
         {
             let reason = "sign jumps where its argument passes zero, and a motion that depends on a velocity or a current \
-                          would stay there without an event; write velocity*abs(velocity) or tanh(velocity/width), or use \
-                          [bearing_friction], which sticks exactly";
+                          would stay there without an event; write velocity*abs(velocity) or tanh(velocity/width), or dry friction \
+                          that sticks exactly: [bearing_friction] of a rig, the coordinate direction of a small plant";
             return Err(ExpressionError::new(column, reason));
         }
     }

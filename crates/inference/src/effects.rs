@@ -12,19 +12,14 @@ use self::equation::Equation;
 use self::laws::{hysteresis, stiction, stribeck};
 use crate::hypothesis::{Free, Hypothesis};
 use crate::law_start::Scatter;
+use crate::numbers::{BOUND, USUAL};
 use crate::scales::Scales;
 use crate::units::PlantUnits;
 use stickslip::parameter::{ParameterError, ParameterInfo};
 use stickslip::plant::{Rig, Supposition};
 
-/// Share of its base that an effect of usual size has: of the friction torque, of the twist, of the load, of one.
-const USUAL: f64 = 0.3;
-/// Multiple of the usual size that bounds a number.
-const BOUND: f64 = 30.0;
 /// Where fits start that begin with hardly any effect, in usual sizes: so little that the best instruments do not see it.
 const NEAR: f64 = 1e-5;
-/// Smallest and largest share of the speed, of the period or of the stiffness that a number of a law or of a spring may have.
-const NARROW: f64 = 1e-3;
 
 /// What an effect's size is a share of.
 #[derive(Clone, Copy, Debug, PartialEq)]

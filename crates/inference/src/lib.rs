@@ -19,6 +19,7 @@ pub mod law_start;
 pub mod learned;
 pub mod loss;
 pub mod marginal;
+pub mod numbers;
 pub mod policy;
 pub mod problem;
 pub mod random;

@@ -131,21 +131,20 @@ pub fn check(operations: &[Operation], parameters: usize, coordinates: usize) ->
     Ok(())
 }
 
-/// Value of the last of `operations`. `steps` holds the values of all of them and keeps its memory from call to call; tables count as
-/// zero.
+/// Value of the last of `operations`. `steps` is room for the values of all of them; tables count as zero.
 ///
 /// # Panics
-/// Where [`check`] finds a fault.
+/// Where [`check`] finds a fault, or `steps` has fewer places than there are operations.
 pub fn value(
     operations: &[Operation],
     parameters: &[f64],
     coordinates: &[f64],
-    steps: &mut Vec<f64>,
+    steps: &mut [f64],
 ) -> f64 {
-    steps.clear();
-    for operation in operations {
+    let mut last = 0.0;
+    for (place, operation) in operations.iter().enumerate() {
         let x = &*steps;
-        let step = match *operation {
+        last = match *operation {
             Operation::Number(value) => value,
             Operation::Parameter(place) => parameters[place],
             Operation::Coordinate(place) => coordinates[place],
@@ -171,9 +170,9 @@ pub fn value(
             Operation::Maximum(a, b, _) => x[a].max(x[b]),
             Operation::Table(..) => 0.0,
         };
-        steps.push(step);
+        steps[place] = last;
     }
-    steps.last().copied().unwrap_or(0.0)
+    last
 }
 
 #[cfg(test)]
@@ -192,7 +191,7 @@ mod tests {
             Operation::Multiply(0, 4),
         ];
         assert_eq!(check(&operations, 1, 1), Ok(()));
-        assert_eq!(value(&operations, &[2.0], &[3.0], &mut Vec::new()), 16.0);
+        assert_eq!(value(&operations, &[2.0], &[3.0], &mut [0.0; 6]), 16.0);
         assert_eq!(check(&operations, 0, 1), Err(Fault::Missing(0)));
     }
 

@@ -67,12 +67,17 @@ impl Instance {
     /// # Errors
     /// The original refuses a start value.
     pub fn new(original: Original, settings: Settings, log: Box<dyn Log>) -> Result<Self, Refused> {
+        let lengths = settings
+            .effects
+            .iter()
+            .map(|effect| effect.operations.len());
+        let longest = lengths.max().unwrap_or(0);
         let instance = Self {
             original,
             own: Own::new(&settings),
             settings,
             before: std::ptr::null_mut(),
-            steps: Vec::new(),
+            steps: vec![0.0; longest],
             log,
         };
         instance.begin().inspect_err(|refused| {
@@ -361,7 +366,7 @@ fn against(
     effects: &[AddedEffect],
     parameters: &[Vec<f64>],
     at: &Moment,
-    steps: &mut Vec<f64>,
+    steps: &mut [f64],
 ) -> f64 {
     let mut friction = 0.0;
     let mut sum = 0.0;

@@ -53,7 +53,7 @@ pub fn command(arguments: &EffectsArguments) -> anyhow::Result<Outcome> {
                 println!("{:24} {}", entry.name, entry.description);
             }
             println!("\nOn small plants:");
-            for entry in small_plant::CATALOGUE {
+            for entry in small_plant::CATALOGUE.iter() {
                 println!("{:24} {}", entry.name, entry.description);
             }
         }
@@ -91,7 +91,7 @@ pub fn pages() -> Vec<(String, String)> {
          is the position, `v` the velocity, `a` the acceleration; `direction` in equations is the sign of the velocity, and `friction` \
          the friction of the other effects. Written by `stickslip effects --out docs/effects`.\n",
     );
-    for entry in small_plant::CATALOGUE {
+    for entry in small_plant::CATALOGUE.iter() {
         let _ = write!(small, "\n{}", small_section(entry, 2));
     }
     pages.push(("small-plants.md".to_owned(), small));
@@ -169,7 +169,7 @@ fn small_section(entry: &Term, level: usize) -> String {
     for parameter in entry.parameters {
         let _ = writeln!(text, "| `{}` | {} |", parameter.key, parameter.description);
     }
-    if let Some(equation) = entry.equation {
+    if let Some(equation) = entry.equation() {
         let _ = writeln!(text, "\nForce against the motion: `{equation}`.");
     }
     if !entry.confusable.is_empty() {

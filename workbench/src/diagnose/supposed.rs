@@ -28,6 +28,20 @@ pub fn files(directory: &Path) -> Result<Vec<(String, String)>, CaseError> {
     paths.iter().map(|path| named_text(path)).collect()
 }
 
+/// The names of the effects that these files describe, of rigs and of small plants; whether they are right is seen where they are tried.
+#[must_use]
+pub fn names(files: &[(String, String)]) -> Vec<String> {
+    let table = |text: &String| text.parse::<toml::Table>().unwrap_or_default();
+    let list = |table: toml::Table| match table.get("effect") {
+        Some(toml::Value::Array(list)) => list.clone(),
+        _ => Vec::new(),
+    };
+    let sections = files.iter().flat_map(|(_, text)| list(table(text)));
+    sections
+        .filter_map(|section| Some(section.get("name")?.as_str()?.to_owned()))
+        .collect()
+}
+
 /// The effects of these files, each with the name of its file.
 ///
 /// # Errors

@@ -147,6 +147,29 @@ fn sticks_and_converges(description: &str) {
 }
 
 #[test]
+fn an_effect_that_the_user_describes_acts_as_the_built_in_one() {
+    let place = Place::new();
+    let (_, without) = PORTS
+        .rsplit_once("[coulomb_friction]")
+        .map(|(a, b)| (b, a))
+        .unwrap();
+    let own = format!(
+        "{without}[[effect]]\nname = \"grip\"\ntitle = \"a seal that grips\"\nport = \"plant.friction\"\n\
+         equation = \"grip*direction\"\nparameters.grip = {{ value = 0.15, unit = \"N\", description = \"its force\" }}\n"
+    );
+    let built_in = run(&place.wrapped(PORTS), &[], 0.01, 8.0);
+    let own = place.wrapped(&own);
+    assert_eq!(
+        run(&own, &[("effects.grip.grip", 0.15)], 0.01, 8.0),
+        built_in
+    );
+    assert_ne!(
+        run(&own, &[("effects.grip.grip", 0.1)], 0.01, 8.0),
+        built_in
+    );
+}
+
+#[test]
 fn an_effect_of_no_size_changes_no_bit() {
     let place = Place::new();
     let none = [

@@ -2,9 +2,10 @@
 
 use std::convert::Infallible;
 
-use super::{NARROW, USUAL, push};
+use super::push;
 use crate::hypothesis::{Free, Hypothesis};
 use crate::law_start::{self, Scatter};
+use crate::numbers::{NARROW, USUAL};
 use crate::scales::Scales;
 use stickslip::friction::{CoulombStiction, Law, Stribeck, TwoGaussianMu};
 

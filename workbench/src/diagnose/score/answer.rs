@@ -75,9 +75,9 @@ impl Answer {
     }
 
     /// Looks for the hidden effect among these, which files describe.
-    pub fn suppose(&mut self, names: &[&str]) {
+    pub fn suppose(&mut self, names: &[String]) {
         let own = self.kind.strip_prefix("outside_");
-        self.supposed = own.filter(|own| names.contains(own)).map(str::to_owned);
+        self.supposed = own.map(str::to_owned).filter(|own| names.contains(own));
     }
 
     /// Names of the hidden effects as the catalogue or a file has them; empty for clean cases and those that neither has.

@@ -158,11 +158,8 @@ pub struct Scored {
 /// # Errors
 /// There are no answers, or results cannot be written.
 pub fn score(scoring: &Scoring<'_>, tell: &(dyn Fn(Step<'_>) + Sync)) -> anyhow::Result<Scored> {
-    let supposed: Vec<&str> = match scoring.catalogue {
-        Some(directory) => supposed::read(&supposed::files(directory)?)?
-            .iter()
-            .map(|(_, effect)| effect.definition.name())
-            .collect(),
+    let supposed = match scoring.catalogue {
+        Some(directory) => supposed::names(&supposed::files(directory)?),
         None => Vec::new(),
     };
     let mut answers = Answer::read_all(scoring.cases)?;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::case::SmallCase;
+use super::case::{SmallCase, check_effect};
 use super::evidence::{gain, left_out_errors, unit};
 use super::finding::{Course, SmallFinding};
 use super::least_squares::Fit;
@@ -139,10 +139,11 @@ fn numbers(case: &SmallCase, last: &Fit, kept: &[Kept]) -> Numbers {
             .zip(&term.values)
             .enumerate()
             .map(|(j, (parameter, value))| {
-                let interval = intervals.iter().find(|(t, p, _)| (*t, *p) == (at, j));
+                let mut intervals = intervals.iter();
+                let interval = intervals.find(|own| (own.term, own.number) == (at, j));
                 let number = ParameterValue {
                     value: *value,
-                    interval95: interval.map(|(_, _, interval)| *interval),
+                    interval95: interval.map(|own| own.ends),
                     unit: parameter.dimension.unit(kind, path).to_owned(),
                     model_parameter: dotted(term.entry, parameter.key),
                 };
@@ -203,10 +204,7 @@ pub fn amended_text(case: &SmallCase, found: &SmallFinding) -> Result<String, St
             .join(", ")
     );
     for effect in &found.finding.effects {
-        super::case::check_effect(&effect.name)?;
-        let Some(entry) = super::catalogue::entry(&effect.name) else {
-            continue;
-        };
+        let entry = check_effect(&effect.name, &case.supposed)?;
         let values: Result<Vec<f64>, String> = entry
             .parameters
             .iter()

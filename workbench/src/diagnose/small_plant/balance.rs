@@ -244,13 +244,17 @@ impl Prepared {
         let encoder = model.eccentricity();
         let force: Vec<f64> = (0..self.motion.len())
             .map(|at| {
-                let read = if shift == 0.0 {
-                    self.read[at]
-                } else {
-                    self.sample(at, shift)
-                };
-                let sample = encoder.map_or(read, |encoder| encoder.motion(&read));
-                model.force(&sample) + inertia * sample.acceleration + delayed(at)
+                let (shifted, centred);
+                let mut sample = &self.read[at];
+                if shift != 0.0 {
+                    shifted = self.sample(at, shift);
+                    sample = &shifted;
+                }
+                if let Some(encoder) = &encoder {
+                    centred = encoder.motion(sample);
+                    sample = &centred;
+                }
+                model.force(sample) + inertia * sample.acceleration + delayed(at)
             })
             .collect();
         self.thinned(&force)

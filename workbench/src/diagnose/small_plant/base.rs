@@ -1,6 +1,8 @@
 //! What an analyst's model of a small plant consists of before anything is added.
 
-use super::term::{Entry, Parameter, Range, Role, Sample, parameter};
+use stickslip::parameter::Range;
+
+use super::term::{Entry, Formula, Parameter, Role, Sample, parameter};
 use super::unit::{Dimension, Kind};
 
 /// M·a + viscous·v + offset = force.
@@ -23,19 +25,21 @@ pub const DRIVE: Entry = Entry {
         parameter(
             "viscous",
             Dimension::ForcePerSpeed,
-            Range::Free,
+            Range::Finite,
             "viscous friction",
         ),
         parameter(
             "offset",
             Dimension::Force,
-            Range::Free,
+            Range::Finite,
             "constant force, such as an amplifier's offset",
         ),
     ],
-    equation: None,
-    force: |p, s, _| p[0] * s.acceleration + p[1] * s.velocity + p[2],
-    starts: &[],
+    formula: Formula::Code {
+        force: |p, s, _| p[0] * s.acceleration + p[1] * s.velocity + p[2],
+        starts: &[],
+    },
+    own: false,
 };
 
 /// a + stiffness·sin(x − rest) + viscous·v = 0, all over the moment of inertia.
@@ -55,17 +59,19 @@ pub const PENDULUM: Entry = Entry {
             Range::Positive,
             "weight's moment over moment of inertia: square of the small swing's angular frequency",
         ),
-        parameter("rest", Dimension::Angle, Range::Free, "angle at rest"),
+        parameter("rest", Dimension::Angle, Range::Finite, "angle at rest"),
         parameter(
             "viscous",
             Dimension::ForcePerSpeed,
-            Range::Free,
+            Range::Finite,
             "viscous drag over moment of inertia",
         ),
     ],
-    equation: None,
-    force: |p, s, _| p[0] * (s.position - p[1]).sin() + p[2] * s.velocity,
-    starts: &[],
+    formula: Formula::Code {
+        force: |p, s, _| p[0] * (s.position - p[1]).sin() + p[2] * s.velocity,
+        starts: &[],
+    },
+    own: false,
 };
 
 /// (sliding + (breakaway − sliding)·exp(−|v|/speed))·sign v: Stribeck's law.
@@ -82,13 +88,13 @@ pub const CONTACT: Entry = Entry {
         parameter(
             "sliding",
             Dimension::Force,
-            Range::Free,
+            Range::Finite,
             "friction at high speed",
         ),
         parameter(
             "breakaway",
             Dimension::Force,
-            Range::Free,
+            Range::Finite,
             "friction at no speed",
         ),
         parameter(
@@ -98,9 +104,11 @@ pub const CONTACT: Entry = Entry {
             "speed over which it falls from one to the other by 63 %",
         ),
     ],
-    equation: None,
-    force: |p, s, _| (p[0] + (p[1] - p[0]) * (-s.velocity.abs() / p[2]).exp()) * s.direction,
-    starts: &[],
+    formula: Formula::Code {
+        force: |p, s, _| (p[0] + (p[1] - p[0]) * (-s.velocity.abs() / p[2]).exp()) * s.direction,
+        starts: &[],
+    },
+    own: false,
 };
 
 /// scale·predicted = force.
@@ -119,9 +127,11 @@ pub const BALANCE: Entry = Entry {
         Range::Positive,
         "measured over predicted force; 1 where both have the same unit and the model is right",
     )],
-    equation: None,
-    force: |p, s, _| p[0] * s.predicted,
-    starts: &[],
+    formula: Formula::Code {
+        force: |p, s, _| p[0] * s.predicted,
+        starts: &[],
+    },
+    own: false,
 };
 
 /// Σ slope·(parameter − its value in the FMU) = force that the FMU lacks, with the parameters that its ports file calls uncertain.
@@ -138,16 +148,18 @@ pub fn of_fmu(parameters: Vec<Parameter>) -> &'static Entry {
         needs_load: false,
         role: Role::Added,
         parameters: Vec::leak(parameters),
-        equation: None,
-        force: |p, s, _| {
-            let sum: f64 = p
-                .iter()
-                .zip(s.slopes)
-                .map(|(value, slope)| value * slope)
-                .sum();
-            sum - s.nominal
+        formula: Formula::Code {
+            force: |p, s, _| {
+                let sum: f64 = p
+                    .iter()
+                    .zip(s.slopes)
+                    .map(|(value, slope)| value * slope)
+                    .sum();
+                sum - s.nominal
+            },
+            starts: &[],
         },
-        starts: &[],
+        own: false,
     }))
 }
 
@@ -172,31 +184,33 @@ pub const JOINT: Entry = Entry {
         parameter(
             "rest",
             Dimension::Angle,
-            Range::Free,
+            Range::Finite,
             "angle at which the arm hangs",
         ),
         parameter(
             "viscous",
             Dimension::ForcePerSpeed,
-            Range::Free,
+            Range::Finite,
             "viscous drag over moment of inertia",
         ),
         parameter(
             "gain",
             Dimension::ForcePerVoltage,
-            Range::Free,
+            Range::Finite,
             "torque over voltage at standstill, over moment of inertia",
         ),
         parameter(
             "back_emf",
             Dimension::ForcePerSpeed,
-            Range::Free,
+            Range::Finite,
             "torque that the motor loses over speed, over moment of inertia",
         ),
     ],
-    equation: None,
-    force: |p, s, _| s.weight + p[2] * s.velocity - s.motor,
-    starts: &[],
+    formula: Formula::Code {
+        force: |p, s, _| s.weight + p[2] * s.velocity - s.motor,
+        starts: &[],
+    },
+    own: false,
 };
 
 /// Torque of a joint's motor and moment of its weight, over the moment of inertia [rad/s²], from its base's numbers.

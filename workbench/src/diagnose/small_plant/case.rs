@@ -4,7 +4,8 @@ use std::path::{Path as FilePath, PathBuf};
 
 use thiserror::Error;
 
-use super::catalogue::{CATALOGUE, entry};
+use super::catalogue::CATALOGUE;
+use super::effect_file;
 use super::evidence::unit;
 use super::fmu::missing::{Chased, MissingError};
 use super::fmu::plant::Plant;
@@ -14,6 +15,8 @@ use super::motion::{Motion, Scales, root_mean_square};
 use super::problem::Problem;
 use super::reading::read;
 use super::showing::balance;
+use super::start;
+use super::term::Entry;
 use super::unit::Kind;
 use crate::diagnose::material::Material;
 use crate::diagnose::record_part::Part;
@@ -41,6 +44,8 @@ pub struct SmallCase {
     pub known: f64,
     /// The FMU and its records as they were measured; none of the other kinds.
     pub chased: Option<Chased>,
+    /// Effects that files of the user's describe, which are tried beside those of the catalogue.
+    pub supposed: Vec<&'static Entry>,
     /// Effects taken out of the catalogue.
     pub without: Vec<String>,
     /// What has to be said about the records.
@@ -107,11 +112,6 @@ pub fn load(
             "{sensors}: a small plant's instruments stand in its model file, [columns] and [measurement]; leave the sensors out"
         )));
     }
-    if let Some((file, _)) = material.effects.first() {
-        return Err(SmallCaseError::Usage(format!(
-            "{file}: effects from files are tried on rigs so far, not on small plants; leave --catalogue out"
-        )));
-    }
     let mut model = SmallModel::parse(&material.model_text, &material.model_name)?;
     if let Some(fmu) = &material.fmu {
         let Some(ports) = &mut model.ports else {
@@ -123,8 +123,9 @@ pub fn load(
         };
         ports.fmu = std::path::absolute(fmu).ok();
     }
+    let supposed = supposed(material, &model)?;
     for name in &material.without {
-        check_effect(name)
+        check_effect(name, &supposed)
             .map_err(|what| SmallCaseError::Usage(format!("--without {name}: {what}")))?;
     }
     let parts = &material.records;
@@ -198,6 +199,16 @@ pub fn load(
             });
         }
     }
+    let Model { kind, path, .. } = model.model;
+    for entry in &supposed {
+        if start::values(entry, kind, path, &scales).is_none() {
+            return Err(SmallCaseError::Usage(format!(
+                "effect {}: no value of a parameter makes the equation vanish, so that the records cannot be asked whether they need \
+                 it; multiply the equation by a parameter",
+                entry.name
+            )));
+        }
+    }
     let seconds: f64 = records.iter().map(Motion::seconds).sum();
     let needed = SHORTEST * scales.period;
     if seconds < needed {
@@ -214,6 +225,7 @@ pub fn load(
         held_out,
         goes_on,
         scales,
+        supposed,
         without: material.without.clone(),
         notes: notes
             .into_iter()
@@ -230,19 +242,56 @@ pub fn load(
     Ok(case)
 }
 
-/// Refuses names that the small plants' catalogue does not have.
+/// The effects that files of the user's describe, on the plant of `model`.
+fn supposed(
+    material: &Material,
+    model: &SmallModel,
+) -> Result<Vec<&'static Entry>, SmallCaseError> {
+    let Model { kind, path, .. } = model.model;
+    let mut all: Vec<(&str, &'static Entry)> = Vec::new();
+    for (file, text) in &material.effects {
+        for described in effect_file::read(text, file)? {
+            let entry = described.entry(file, kind, path)?;
+            let earlier = all.iter().find(|(_, other)| other.name == entry.name);
+            let taken = match earlier {
+                Some((earlier, _)) => Some(format!("{earlier} has an effect of this name")),
+                None if entry.needs_load && model.columns.load.is_none() => {
+                    Some("it depends on the load, and [columns] of the model has none".to_owned())
+                }
+                None if model.model.has(entry.name) => {
+                    Some("the model has an effect of this name already".to_owned())
+                }
+                None => CATALOGUE
+                    .iter()
+                    .any(|own| own.name == entry.name)
+                    .then(|| "the catalogue has an effect of this name".to_owned()),
+            };
+            if let Some(taken) = taken {
+                return Err(SmallCaseError::Usage(format!(
+                    "{file}: effect {}: {taken}",
+                    entry.name
+                )));
+            }
+            // An entry lives as long as the program, as those of the catalogue do.
+            all.push((file, Box::leak(Box::new(entry))));
+        }
+    }
+    Ok(all.into_iter().map(|(_, entry)| entry).collect())
+}
+
+/// Refuses names that neither the small plants' catalogue nor the files of the user's have.
 ///
 /// # Errors
 /// What would be right.
-pub fn check_effect(name: &str) -> Result<(), String> {
-    if entry(name).is_some() {
-        return Ok(());
-    }
-    let known: Vec<&str> = CATALOGUE.iter().map(|entry| entry.name).collect();
-    Err(format!(
-        "the catalogue of small plants has no such effect; it has {}",
-        known.join(", ")
-    ))
+pub fn check_effect(name: &str, supposed: &[&'static Entry]) -> Result<&'static Entry, String> {
+    let all = || supposed.iter().copied().chain(CATALOGUE.iter());
+    all().find(|entry| entry.name == name).ok_or_else(|| {
+        let known: Vec<&str> = all().map(|entry| entry.name).collect();
+        format!(
+            "the catalogue of small plants has no such effect; it has {}",
+            known.join(", ")
+        )
+    })
 }
 
 /// Load over its mean on the records learned from.
@@ -347,6 +396,24 @@ impl SmallCase {
         if self.kind() == Kind::Fmu {
             self.known = unit(&balance(self).residuals(model)).sqrt();
         }
+    }
+
+    /// The effects that the plant can have and its model has not.
+    #[must_use]
+    pub fn possible(&self) -> Vec<&'static Entry> {
+        let model = &self.model.model;
+        let has_load = self.model.columns.load.is_some();
+        let all = CATALOGUE.iter().chain(self.supposed.iter().copied());
+        all.filter(|entry| entry.fits(model.kind, model.path, has_load))
+            .filter(|entry| !model.has(entry.name))
+            .collect()
+    }
+
+    /// Those of them that were not taken out of the catalogue.
+    #[must_use]
+    pub fn candidates(&self) -> Vec<&'static Entry> {
+        let is_in = |entry: &&Entry| !self.without.iter().any(|name| name == entry.name);
+        self.possible().into_iter().filter(is_in).collect()
     }
 
     /// What the plant is.

@@ -8,13 +8,12 @@ use build_fmu::library;
 
 use super::amend::{amended_text, described, named};
 use super::case::{SmallCase, check_effect, load};
-use super::catalogue::entry;
 use super::console::screen;
 use super::finding::SmallFinding;
 use super::fmu::wrapper;
 use super::model::Model;
 use super::model_file::SmallModel;
-use super::naming::{Naming, candidates, fit_base, fit_with, name as name_effects, shows};
+use super::naming::{Naming, fit_base, fit_with, name as name_effects, shows};
 use super::report::page;
 use super::showing::{balance, models_on_the_way, step};
 use super::swing::Swing;
@@ -132,8 +131,8 @@ fn named_finding(
     case: &mut SmallCase,
     progress: &mut dyn FnMut(&str),
 ) -> anyhow::Result<SmallFinding> {
-    let has_load = case.model.columns.load.is_some();
-    let (open, hidden): (Vec<_>, Vec<_>) = candidates(&case.model.model, has_load, &case.without)
+    let (open, hidden): (Vec<_>, Vec<_>) = case
+        .candidates()
         .into_iter()
         .partition(|entry| shows(entry, case.kind(), case.records.len()));
     let mut naming = names(case, &open, progress);
@@ -213,14 +212,12 @@ fn entries(case: &SmallCase, effects: &[String]) -> anyhow::Result<Vec<&'static 
     effects
         .iter()
         .map(|name| {
-            check_effect(name).map_err(|what| anyhow!("--effect {name}: {what}"))?;
-            entry(name)
+            let entry = check_effect(name, &case.supposed)
+                .map_err(|what| anyhow!("--effect {name}: {what}"))?;
+            Some(entry)
                 .filter(|entry| entry.fits(model.kind, model.path, has_load) && !model.has(name))
                 .ok_or_else(|| {
-                    let open: Vec<&str> = candidates(model, has_load, &[])
-                        .iter()
-                        .map(|entry| entry.name)
-                        .collect();
+                    let open: Vec<&str> = case.possible().iter().map(|entry| entry.name).collect();
                     anyhow!(
                         "--effect {name}: cannot be added to this {}; what can be is {}",
                         model.kind.word(),

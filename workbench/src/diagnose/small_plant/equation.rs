@@ -1,36 +1,54 @@
-//! Effects on small plants as equations: lists of operations that an FMU can carry.
+//! Equations of small plants' effects: what they may depend on, and their check.
 
 use operations::{COORDINATES, Operation};
 use stickslip::expression::{self, Dimension as SiDimension, ExpressionError, Names, Quantity};
-use stickslip::parameter::Range as Allowed;
+use stickslip::parameter::Range;
 
-use super::term::{Entry, Range};
+use super::term::{Parameter, Sample};
 use super::unit::{Dimension, Kind, Path};
 
 /// Coordinates of small plants beyond those of an FMU's port: normal load over its mean, predicted force, torque of a joint's motor and
 /// moment of its weight.
 const FURTHER: [&str; 4] = ["load", "predicted", "motor", "weight"];
+/// Number of all coordinates.
+pub const COUNT: usize = COORDINATES.len() + FURTHER.len();
+/// Places of the acceleration, the time and the load among them.
+const ACCELERATION: usize = 2;
+/// See [`ACCELERATION`].
+pub const TIME: usize = 4;
+/// See [`ACCELERATION`].
+pub const LOAD: usize = 6;
 
-/// The operations of an effect's equation on a plant of this kind and path; `None` where it has no equation.
-///
-/// # Errors
-/// The equation is wrong, which a test excludes for the catalogue.
-pub fn as_operations(
-    entry: &Entry,
-    kind: Kind,
-    path: Path,
-) -> Option<Result<Vec<Operation>, ExpressionError>> {
-    let equation = entry.equation?;
-    // Minutes are seconds in kind.
-    let si = |unit: &str| SiDimension::of_unit(&unit.replace("min", "s")).unwrap_or_default();
+/// The coordinates at a moment, in the order of their places.
+#[must_use]
+pub fn coordinates(sample: &Sample, friction: f64) -> [f64; COUNT] {
+    [
+        sample.position,
+        sample.velocity,
+        sample.acceleration,
+        sample.direction,
+        sample.time,
+        friction,
+        sample.load,
+        sample.predicted,
+        sample.motor,
+        sample.weight,
+    ]
+}
+
+/// Whether an equation depends on the coordinate at this place.
+#[must_use]
+pub fn uses(operations: &[Operation], place: usize) -> bool {
+    operations.contains(&Operation::Coordinate(place))
+}
+
+/// What equations on a plant of this kind and path may depend on.
+#[must_use]
+pub fn quantities(kind: Kind, path: Path) -> Vec<Quantity> {
     let of = |dimension: Dimension| si(dimension.unit(kind, path));
-    let position = match path {
-        Path::Turn => SiDimension::NONE,
-        Path::Line => si("m"),
-    };
     let force = of(Dimension::Force);
-    let dimensions = [
-        position,
+    let dimensions: [SiDimension; COUNT] = [
+        of(Dimension::Position),
         of(Dimension::Speed),
         of(Dimension::Acceleration),
         SiDimension::NONE,
@@ -41,92 +59,56 @@ pub fn as_operations(
         force,
         force,
     ];
+    let has = |place: usize| match place {
+        // A run that is predicted has no measured acceleration.
+        ACCELERATION => !kind.runs_alone(),
+        LOAD => kind == Kind::Contact,
+        7 => kind == Kind::Balance,
+        8 | 9 => kind == Kind::Joint,
+        _ => true,
+    };
     let names = COORDINATES.iter().chain(&FURTHER).zip(dimensions);
-    let coordinates: Vec<Quantity> = names
+    names
         .enumerate()
+        .filter(|(place, _)| has(*place))
         .map(|(place, (name, dimension))| Quantity {
             name,
             place,
             dimension,
             is_positive: false,
-            is_rate: false,
+            is_rate: *name == "velocity",
         })
-        .collect();
-    let parameters: Vec<(&str, SiDimension, Allowed)> = entry
-        .parameters
-        .iter()
-        .map(|own| {
-            let range = match own.range {
-                Range::Free => Allowed::Finite,
-                Range::Positive => Allowed::Positive,
-                Range::Within(low, high) => Allowed::Between(low, high),
-            };
-            (own.key, of(own.dimension), range)
-        })
-        .collect();
-    let names = Names {
-        parameters: &parameters,
-        coordinates: &coordinates,
-        tables: &[],
-        result: (force, Dimension::Force.unit(kind, path)),
-    };
-    Some(expression::parse(equation, &names).map(|program| program.operations().to_vec()))
+        .collect()
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnose::small_plant::catalogue::CATALOGUE;
-    use crate::diagnose::small_plant::term::Sample;
+/// Reads and checks an equation over these parameters on a plant of this kind and path.
+///
+/// # Errors
+/// The first thing that is wrong, with its column.
+pub fn compile(
+    equation: &str,
+    parameters: &[Parameter],
+    kind: Kind,
+    path: Path,
+) -> Result<Vec<Operation>, ExpressionError> {
+    let parameters: Vec<(&str, SiDimension, Range)> = parameters
+        .iter()
+        .map(|own| {
+            let unit = own.dimension.unit(kind, path);
+            (own.key, si(unit), own.range)
+        })
+        .collect();
+    let force = Dimension::Force.unit(kind, path);
+    let names = Names {
+        parameters: &parameters,
+        coordinates: &quantities(kind, path),
+        tables: &[],
+        result: (si(force), force),
+    };
+    expression::parse(equation, &names).map(|program| program.operations().to_vec())
+}
 
-    #[test]
-    fn equations_give_what_the_diagnosis_fits() {
-        let sample = Sample {
-            time: 3.7,
-            position: 0.9,
-            velocity: -1.3,
-            acceleration: 2.2,
-            direction: -1.0,
-            load: 1.1,
-            predicted: -0.8,
-            motor: 1.7,
-            weight: -0.4,
-            ..Sample::default()
-        };
-        let friction = -0.6;
-        let at = [
-            sample.position,
-            sample.velocity,
-            sample.acceleration,
-            sample.direction,
-            sample.time,
-            friction,
-            sample.load,
-            sample.predicted,
-            sample.motor,
-            sample.weight,
-        ];
-        let mut compared = 0;
-        for entry in CATALOGUE {
-            let parameters: Vec<f64> = (0..entry.parameters.len())
-                .map(|place| 0.7 + 0.4 * place as f64)
-                .collect();
-            for &kind in entry.kinds {
-                let path = entry.path.unwrap_or(Path::Turn);
-                let Some(operations) = as_operations(entry, kind, path) else {
-                    continue;
-                };
-                let operations = operations.unwrap();
-                let value = operations::value(&operations, &parameters, &at, &mut Vec::new());
-                let wanted = (entry.force)(&parameters, &sample, friction);
-                assert!(
-                    (value - wanted).abs() < 1e-12,
-                    "{}: {value} {wanted}",
-                    entry.name
-                );
-                compared += 1;
-            }
-        }
-        assert!(compared > 30, "{compared}");
-    }
+/// Dimension of a unit that is known to be one; minutes are seconds in kind.
+fn si(unit: &str) -> SiDimension {
+    SiDimension::of_unit(&unit.replace("min", "s")).unwrap_or_default()
 }

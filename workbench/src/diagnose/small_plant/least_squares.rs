@@ -5,12 +5,12 @@
 //! their range.
 
 use nalgebra::{DMatrix, DVector};
+use stickslip::parameter::Range;
 
 use super::evidence::unit;
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
-use super::term::Range;
 
 /// Step of the differences, in units of a number's usual size.
 const STEP: f64 = 1e-5;
@@ -53,9 +53,10 @@ impl Coordinates {
             .map(|&(term, at, range, scale)| {
                 let value = model.value(term, at);
                 match range {
-                    Range::Free => value / scale,
+                    Range::Finite => value / scale,
                     Range::Positive => (value / scale).ln(),
-                    Range::Within(low, high) => {
+                    Range::NonNegative => (value / scale).sqrt(),
+                    Range::Between(low, high) => {
                         (std::f64::consts::PI * ((value - low) / (high - low) - 0.5)).tan()
                     }
                 }
@@ -67,9 +68,10 @@ impl Coordinates {
         let mut model = model.clone();
         for (&(term, at, range, scale), x) in self.places.iter().zip(coordinates) {
             let value = match range {
-                Range::Free => x * scale,
+                Range::Finite => x * scale,
                 Range::Positive => x.exp() * scale,
-                Range::Within(low, high) => {
+                Range::NonNegative => x * x * scale,
+                Range::Between(low, high) => {
                     low + (high - low) * (0.5 + x.atan() / std::f64::consts::PI)
                 }
             };
@@ -199,15 +201,24 @@ fn damped_step(
     damped.cholesky().map(|factor| factor.solve(gradient))
 }
 
-/// Intervals that cover each free number with 95 % probability, by term and parameter.
+/// What is known of a number of a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// Place of its term.
+    pub term: usize,
+    /// Its place among the term's numbers.
+    pub number: usize,
+    /// What covers it with 95 % probability.
+    pub ends: [f64; 2],
+    /// Distance from its estimate that covers it so, as if it were fitted without a transformation.
+    pub half_width: f64,
+}
+
+/// Intervals that cover each free number with 95 % probability; none of a number that may be of any size.
 ///
 /// The spread is that between pieces (sandwich estimate), so that residuals may be correlated within them.
 #[must_use]
-pub fn intervals(
-    problem: &dyn Problem,
-    fit: &Fit,
-    scales: &Scales,
-) -> Vec<(usize, usize, [f64; 2])> {
+pub fn intervals(problem: &dyn Problem, fit: &Fit, scales: &Scales) -> Vec<Interval> {
     let coordinates = Coordinates::new(&fit.model, scales);
     let mut pieces = jacobian(
         problem,
@@ -241,14 +252,20 @@ pub fn intervals(
         .places
         .iter()
         .enumerate()
-        .map(|(j, &(term, at, _, _))| {
+        .map(|(j, &(term, number, _, _))| {
             let half = 1.96 * covariance[(j, j)].max(0.0).sqrt();
             let end = |shift: f64| {
                 let mut moved = x.clone();
                 moved[j] += shift;
-                coordinates.set(&fit.model, &moved).value(term, at)
+                coordinates.set(&fit.model, &moved).value(term, number)
             };
-            (term, at, [end(-half), end(half)])
+            Interval {
+                term,
+                number,
+                ends: [end(-half), end(half)],
+                half_width: half * (end(STEP) - end(-STEP)).abs() / (2.0 * STEP),
+            }
         })
+        .filter(|interval| interval.ends.iter().all(|end| end.is_finite()))
         .collect()
 }

@@ -83,13 +83,13 @@ impl Model {
         let (mut friction, mut other) = (0.0, 0.0);
         for (at, term) in self.terms.iter().enumerate() {
             match term.entry.role {
-                Role::Law if at == law => friction += (term.entry.force)(&term.values, sample, 0.0),
-                Role::Friction => friction += (term.entry.force)(&term.values, sample, 0.0),
+                Role::Law if at == law => friction += term.entry.force(&term.values, sample, 0.0),
+                Role::Friction => friction += term.entry.force(&term.values, sample, 0.0),
                 Role::Law | Role::Shift | Role::Reading | Role::Added => {}
             }
         }
         for term in self.terms.iter().filter(|t| t.entry.role == Role::Added) {
-            other += (term.entry.force)(&term.values, sample, friction);
+            other += term.entry.force(&term.values, sample, friction);
         }
         friction + other
     }

@@ -4,15 +4,17 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Deserialize;
+use stickslip::parameter::Range;
 use thiserror::Error;
 use toml::Value;
 
 use super::base::{PARAMETERS, base, of_fmu};
 use super::catalogue::{CATALOGUE, entry};
 use super::columns::{ColumnError, Columns};
+use super::effect_file::Described;
 use super::fmu::ports::Ports;
 use super::model::Model;
-use super::term::{Entry, MOST_PARAMETERS, Parameter, Range};
+use super::term::{Entry, MOST_PARAMETERS, Parameter};
 use super::unit::{Dimension, Kind, Path};
 
 /// What is wrong with a small plant's model file.
@@ -136,6 +138,9 @@ struct NumberTable {
     interval95: Option<[f64; 2]>,
 }
 
+/// Sections of effects that the file itself describes.
+const OWN_EFFECTS: &str = "effect";
+
 /// Whether a model file's text describes a small plant.
 #[must_use]
 pub fn is_small_plant(text: &str) -> bool {
@@ -225,6 +230,11 @@ impl Reader<'_> {
                 model = model.with(effect, self.values(effect, kind, path, &mut origins)?);
             }
         }
+        for described in self.own_effects()? {
+            let (entry, values) =
+                self.own_effect(&described, &model, columns.load.is_some(), &mut origins)?;
+            model = model.with(entry, values);
+        }
         Ok(SmallModel {
             model,
             columns,
@@ -232,6 +242,66 @@ impl Reader<'_> {
             ports,
             origins,
         })
+    }
+
+    /// The sections `[[effect]]`.
+    fn own_effects(&self) -> Result<Vec<Described>, SmallModelError> {
+        let Some(list) = self.table.get(OWN_EFFECTS) else {
+            return Ok(Vec::new());
+        };
+        list.clone()
+            .try_into()
+            .map_err(|error: toml::de::Error| SmallModelError::Syntax {
+                file: self.file.to_owned(),
+                message: format!(
+                    "[[effect]]: {}; it needs name, title, port, equation and parameters",
+                    error.message()
+                ),
+            })
+    }
+
+    /// An effect that a section `[[effect]]` describes, with its numbers.
+    fn own_effect(
+        &self,
+        described: &Described,
+        model: &Model,
+        has_load: bool,
+        origins: &mut BTreeMap<String, Origin>,
+    ) -> Result<(&'static Entry, Vec<f64>), SmallModelError> {
+        let entry = described.entry(self.file, model.kind, model.path)?;
+        let section = format!("effect {}", entry.name);
+        if model.has(entry.name) || CATALOGUE.iter().any(|own| own.name == entry.name) {
+            let found = format!("{:?}", entry.name);
+            return Err(self.wrong(&section, "name", &found, "a name that no effect has yet"));
+        }
+        if entry.needs_load && !has_load {
+            let expected = "without load, since [columns] has none";
+            let found = entry.equation().unwrap_or_default();
+            return Err(self.wrong(&section, "equation", &format!("{found:?}"), expected));
+        }
+        let mut values = Vec::new();
+        for parameter in entry.parameters {
+            let number = &described.parameters[parameter.key];
+            let value = number.value.ok_or_else(|| SmallModelError::Missing {
+                file: self.file.to_owned(),
+                section: section.clone(),
+                key: format!("parameters.{}.value", parameter.key),
+                expected: format!(
+                    "{} [{}]",
+                    parameter.description,
+                    parameter.dimension.unit(model.kind, model.path)
+                ),
+            })?;
+            values.push(value);
+            let origin = Origin {
+                relative_uncertainty: number.relative_uncertainty,
+                source: number.source.clone(),
+                interval95: number.interval95,
+            };
+            origins.insert(dotted(&entry, parameter.key), origin);
+        }
+        // An entry lives as long as the program, as those of the catalogue do.
+        Ok((Box::leak(Box::new(entry)), values))
     }
 
     /// What an FMU's file has beside the other kinds'.
@@ -287,8 +357,9 @@ impl Reader<'_> {
                         unit: leaked(number.unit.unwrap_or_default()),
                         size: size.abs(),
                     },
-                    range: Range::Free,
+                    range: Range::Finite,
                     description: "uncertain parameter of the FMU",
+                    guess: None,
                 })
             })
             .collect()
@@ -403,7 +474,7 @@ impl Reader<'_> {
                 .map(|entry| entry.name)
         };
         for section in self.table.keys() {
-            let known = [&["plant", "columns", "measurement", base], own].concat();
+            let known = [&["plant", "columns", "measurement", OWN_EFFECTS, base], own].concat();
             if !known.contains(&section.as_str()) && !possible().any(|name| name == section) {
                 return Err(SmallModelError::Unknown {
                     file: self.file.to_owned(),
@@ -477,17 +548,8 @@ impl Reader<'_> {
                     parameter.dimension.unit(kind, path),
                 )?,
             };
-            let right = match parameter.range {
-                Range::Free => number.is_finite(),
-                Range::Positive => number.is_finite() && number > 0.0,
-                Range::Within(low, high) => number > low && number < high,
-            };
-            if !right {
-                let expected = match parameter.range {
-                    Range::Free => "a finite number".to_owned(),
-                    Range::Positive => "a number above 0".to_owned(),
-                    Range::Within(low, high) => format!("between {low} and {high}"),
-                };
+            if !parameter.range.contains(number) {
+                let expected = parameter.range.to_string();
                 return Err(self.wrong(entry.name, parameter.key, &number.to_string(), &expected));
             }
             values.push(number);

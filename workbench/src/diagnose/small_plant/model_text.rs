@@ -3,8 +3,11 @@
 use std::fmt::Write as _;
 
 use super::columns::Column;
+use super::effect_file::section;
 use super::fmu::ports::key;
+use super::model::Term;
 use super::model_file::{Measurement, SmallModel, dotted};
+use super::term::Entry;
 
 impl SmallModel {
     /// The file's text, every number with unit, origin and interval; `origins` replaces or adds to what is known.
@@ -56,32 +59,43 @@ impl SmallModel {
             text,
             "compare_rate = {compare_rate:?}\nedge = {edge:?}\nstandstill_speed = {standstill_speed:?}"
         );
-        for term in self.model.terms() {
+        let more = |entry: &Entry, key: &str| {
+            let mut text = String::new();
+            if let Some(origin) = self.origins.get(&dotted(entry, key)) {
+                if let Some(source) = &origin.source {
+                    let _ = write!(text, ", source = {source:?}");
+                }
+                if let Some([low, high]) = origin.interval95 {
+                    let _ = write!(text, ", interval95 = [{low:?}, {high:?}]");
+                }
+                if let Some(uncertainty) = origin.relative_uncertainty {
+                    let _ = write!(text, ", relative_uncertainty = {uncertainty:?}");
+                }
+            }
+            text
+        };
+        let (own, known): (Vec<&Term>, Vec<&Term>) =
+            self.model.terms().iter().partition(|term| term.entry.own);
+        for term in known {
             let _ = writeln!(
                 text,
                 "\n[{}]  # {}",
                 term.entry.name, term.entry.description
             );
             for (parameter, value) in term.entry.parameters.iter().zip(&term.values) {
-                let _ = write!(
+                let _ = writeln!(
                     text,
-                    "{} = {{ value = {value:?}, unit = {:?}",
+                    "{} = {{ value = {value:?}, unit = {:?}{} }}  # {}",
                     key(parameter.key),
-                    parameter.dimension.unit(kind, path)
+                    parameter.dimension.unit(kind, path),
+                    more(term.entry, parameter.key),
+                    parameter.description
                 );
-                if let Some(origin) = self.origins.get(&dotted(term.entry, parameter.key)) {
-                    if let Some(source) = &origin.source {
-                        let _ = write!(text, ", source = {source:?}");
-                    }
-                    if let Some([low, high]) = origin.interval95 {
-                        let _ = write!(text, ", interval95 = [{low:?}, {high:?}]");
-                    }
-                    if let Some(uncertainty) = origin.relative_uncertainty {
-                        let _ = write!(text, ", relative_uncertainty = {uncertainty:?}");
-                    }
-                }
-                let _ = writeln!(text, " }}  # {}", parameter.description);
             }
+        }
+        for term in own {
+            let more = |key: &str| more(term.entry, key);
+            text.push_str(&section(term, kind, path, &more));
         }
         text
     }

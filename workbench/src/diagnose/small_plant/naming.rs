@@ -2,17 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::catalogue::{CATALOGUE, entry};
+use super::equation::{TIME, uses};
 use super::evidence::{Gain, gain, left_out_errors, unit};
-use super::least_squares::{Fit, fit};
+use super::least_squares::{Fit, fit, intervals};
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
-use super::term::Entry;
-use super::unit::{Dimension, Kind};
+use super::term::{Entry, Formula};
+use super::unit::Kind;
 
 /// Most effects that are named one after the other.
-const MOST_EFFECTS: usize = 8;
+const MOST_EFFECTS: usize = 5;
 /// Steps of a first look at each start, and of fits that are carried to the end.
 const FIRST_LOOK: usize = 8;
 const TO_THE_END: usize = 40;
@@ -103,13 +103,8 @@ pub fn fit_with(
     scales: &Scales,
 ) -> Fit {
     let smooth = problem.first_look();
-    let looks = entry.starts.iter().map(|start| {
-        let values = entry
-            .parameters
-            .iter()
-            .zip(*start)
-            .map(|(parameter, multiple)| multiple * parameter.dimension.scale(scales))
-            .collect();
+    let starts = entry.starts(model.kind, model.path, scales);
+    let looks = starts.into_iter().map(|values| {
         fit(
             smooth.unwrap_or(problem),
             &model.with(entry, values),
@@ -159,6 +154,11 @@ pub fn name(
             let pairs = pairs(&tried);
             let together = round.try_all(&current.model, &pairs, open.len() + pairs.len());
             accepted = self::accepted(&together);
+        } else if let Some(plainer) = accepted
+            .as_ref()
+            .and_then(|best| round.plainer_pair(&current.model, best, &tried, &open))
+        {
+            accepted = Some(plainer);
         }
         let rivals = match &accepted {
             Some(best) if best.entries.len() == 1 => round.rivals(best, &tried),
@@ -176,13 +176,50 @@ pub fn name(
         current = best.fit;
     }
     progress("effects that the others make superfluous, and rivals");
+    drop_unsized(problem, scales, &mut current, &mut kept);
     drop_superfluous(problem, scales, &mut current, &mut kept);
-    keep_true_rivals(problem, scales, &current, &mut kept);
+    keep_true_rivals(problem, scales, candidates, &current, &mut kept);
     Naming {
         base,
         kept,
         ranking: ranking.unwrap_or_default(),
         amended: current,
+    }
+}
+
+/// Takes away, one by one, the effects whose size beside the others is not known to be other than none: together they draw a curve
+/// that none of them has alone, and no one of them can be named for it.
+fn drop_unsized(problem: &dyn Problem, scales: &Scales, current: &mut Fit, kept: &mut Vec<Kept>) {
+    while kept.len() > 1 {
+        let known = intervals(problem, current, scales);
+        let Model { kind, path, .. } = current.model;
+        let certainty = |kept: &Kept| {
+            let terms = current.model.terms();
+            let at = terms.iter().position(|term| term.entry == kept.entry)?;
+            let origins = kept.entry.origins(kind, path, scales);
+            let decisive = origins.iter().enumerate().filter_map(|(number, origin)| {
+                let distance = (terms[at].values[number] - (*origin)?).abs();
+                let mut known = known.iter();
+                let own = known.find(|own| (own.term, own.number) == (at, number));
+                Some(own.map_or(0.0, |own| distance / own.half_width))
+            });
+            decisive.reduce(f64::max)
+        };
+        if known.is_empty() {
+            return;
+        }
+        let uncertain = kept
+            .iter()
+            .enumerate()
+            .filter_map(|(at, one)| Some((at, certainty(one)?)));
+        let Some((at, share)) = uncertain.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return;
+        };
+        if share > 1.0 {
+            return;
+        }
+        *current = fit_base(problem, &current.model.without(kept[at].entry.name), scales);
+        kept.remove(at);
     }
 }
 
@@ -210,7 +247,13 @@ fn drop_superfluous(
 
 /// Leaves those rivals that could stand in for the effect in the final model: what was named itself later on was a companion,
 /// and what those named later stand in for is none any more.
-fn keep_true_rivals(problem: &dyn Problem, scales: &Scales, last: &Fit, kept: &mut [Kept]) {
+fn keep_true_rivals(
+    problem: &dyn Problem,
+    scales: &Scales,
+    candidates: &[&'static Entry],
+    last: &Fit,
+    kept: &mut [Kept],
+) {
     let names: Vec<&str> = kept.iter().map(|kept| kept.entry.name).collect();
     if kept.iter().all(|kept| kept.rivals.is_empty()) {
         return;
@@ -220,7 +263,9 @@ fn keep_true_rivals(problem: &dyn Problem, scales: &Scales, last: &Fit, kept: &m
     for kept in kept {
         let rest = last.model.without(kept.entry.name);
         kept.rivals.retain(|rival| {
-            let Some(entry) = entry(rival).filter(|_| !names.contains(rival)) else {
+            let mut candidates = candidates.iter();
+            let entry = candidates.find(|entry| entry.name == *rival && !names.contains(rival));
+            let Some(entry) = entry else {
                 return false;
             };
             let other = fit_with(problem, &rest, entry, scales);
@@ -230,24 +275,12 @@ fn keep_true_rivals(problem: &dyn Problem, scales: &Scales, last: &Fit, kept: &m
     }
 }
 
-/// The effects that such a plant can have, without those taken out of the catalogue.
-#[must_use]
-pub fn candidates(model: &Model, has_load: bool, without: &[String]) -> Vec<&'static Entry> {
-    CATALOGUE
-        .iter()
-        .filter(|entry| entry.fits(model.kind, model.path, has_load))
-        .filter(|entry| !model.has(entry.name) && !without.iter().any(|name| name == entry.name))
-        .collect()
-}
-
 /// Whether so many records can show this effect for what it is. In a single free swing time passes as the amplitude falls:
 /// what changes with time passes for a loss that changes with the amplitude.
 #[must_use]
 pub fn shows(entry: &Entry, kind: Kind, records: usize) -> bool {
-    let by_time = entry
-        .parameters
-        .iter()
-        .any(|parameter| parameter.dimension == Dimension::PerMinute);
+    let by_time =
+        matches!(entry.formula, Formula::Equation { operations, .. } if uses(operations, TIME));
     !by_time || !kind.runs_alone() || records > 1
 }
 
@@ -282,6 +315,32 @@ impl Round<'_> {
             .collect();
         tried.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
         tried
+    }
+
+    /// Two effects that explain more than the best one or as much, with no more numbers: one of many numbers can pass for a sum of
+    /// plain ones.
+    fn plainer_pair(
+        &self,
+        model: &Model,
+        best: &Tried,
+        tried: &[Tried],
+        open: &[&'static Entry],
+    ) -> Option<Tried> {
+        let numbers = |entries: &[&'static Entry]| -> usize {
+            entries.iter().map(|entry| entry.parameters.len()).sum()
+        };
+        let most = numbers(&best.entries);
+        let first = tried
+            .iter()
+            .find(|t| numbers(&t.entries) < most && t.gain.value > RIVAL * best.gain.value)?;
+        let pairs: Vec<Vec<&'static Entry>> = open
+            .iter()
+            .filter(|entry| !best.entries.contains(entry) && !first.entries.contains(entry))
+            .map(|entry| [&first.entries[..], &[*entry]].concat())
+            .filter(|pair| numbers(pair) <= most)
+            .collect();
+        let together = self.try_all(model, &pairs, open.len() + pairs.len());
+        accepted(&together).filter(|pair| pair.worth() > best.worth())
     }
 
     /// Names whose shortfall behind the best is not certain.

@@ -3,8 +3,7 @@
 use std::fmt::Write as _;
 
 use super::balance::Compared;
-use super::case::SmallCase;
-use super::catalogue::entry;
+use super::case::{SmallCase, check_effect};
 use super::console::{answer, size};
 use super::finding::SmallFinding;
 use super::model::Model;
@@ -49,7 +48,7 @@ pub fn page(case: &SmallCase, found: &SmallFinding, before: &Model, after: &Mode
         candidates(found),
         held_out(case, before, after),
         numbers(case, found),
-        confusions(found),
+        confusions(case, found),
         notes(found),
     ]
     .concat();
@@ -295,11 +294,9 @@ fn numbers(case: &SmallCase, found: &SmallFinding) -> String {
         .iter()
         .flat_map(|effect| effect.parameters.values());
     for value in effects.chain(found.finding.parameters.values()) {
-        let interval = value
-            .interval95
-            .map_or("replaced".to_owned(), |[low, high]| {
-                format!("{} … {}", number(low), number(high))
-            });
+        let interval = value.interval95.map_or("–".to_owned(), |[low, high]| {
+            format!("{} … {}", number(low), number(high))
+        });
         let _ = writeln!(
             text,
             "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{interval}</td><td>{}</td></tr>",
@@ -313,10 +310,10 @@ fn numbers(case: &SmallCase, found: &SmallFinding) -> String {
     text
 }
 
-fn confusions(found: &SmallFinding) -> String {
+fn confusions(case: &SmallCase, found: &SmallFinding) -> String {
     let mut text = String::from("<h2>What it could be confused with</h2>\n<ul>\n");
     for effect in &found.finding.effects {
-        if let Some(entry) = entry(&effect.name) {
+        if let Ok(entry) = check_effect(&effect.name, &case.supposed) {
             let rivals: Vec<String> = entry.confusable.iter().map(|name| readable(name)).collect();
             let _ = writeln!(
                 text,

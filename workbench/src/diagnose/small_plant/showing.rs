@@ -7,7 +7,7 @@
 use super::balance::Balance;
 use super::case::SmallCase;
 use super::finding::{ErrorSize, Step};
-use super::least_squares::{Fit, fit, intervals};
+use super::least_squares::{Fit, Interval, fit, intervals};
 use super::model::Model;
 use super::motion::Motion;
 use super::naming::{fit_base, fit_with};
@@ -67,7 +67,7 @@ pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
 
 /// Intervals of all numbers of the final model.
 #[must_use]
-pub fn final_intervals(case: &SmallCase, fitted: &Fit) -> Vec<(usize, usize, [f64; 2])> {
+pub fn final_intervals(case: &SmallCase, fitted: &Fit) -> Vec<Interval> {
     match case.kind() {
         Kind::Pendulum | Kind::Joint => {
             let swing = Swing::whole(&case.records, &case.model.measurement, &case.scales);

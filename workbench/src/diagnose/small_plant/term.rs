@@ -1,5 +1,11 @@
 //! Terms of a small plant's equation: what all bases and effects have.
 
+use operations::Operation;
+use stickslip::parameter::Range;
+
+use super::equation::coordinates;
+use super::motion::Scales;
+use super::start;
 use super::unit::{Dimension, Kind, Path};
 
 /// One moment of a record.
@@ -36,17 +42,6 @@ pub struct Sample {
 /// Most uncertain parameters of an FMU.
 pub const MOST_PARAMETERS: usize = 8;
 
-/// Where a number may lie.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Range {
-    /// Anywhere.
-    Free,
-    /// Above zero.
-    Positive,
-    /// Between two numbers.
-    Within(f64, f64),
-}
-
 /// A parameter of a term.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
@@ -58,6 +53,8 @@ pub struct Parameter {
     pub range: Range,
     /// What it is.
     pub description: &'static str,
+    /// Where a fit may start, if a file says so [SI].
+    pub guess: Option<f64>,
 }
 
 /// How a term enters the equation.
@@ -75,11 +72,33 @@ pub enum Role {
     Reading,
 }
 
-/// Force [N, N m; of a pendulum rad/s²] against the motion: parameters, moment, friction of the others at that moment.
+/// Force [N, N m; of a pendulum or joint rad/s²] against the motion: parameters, moment, friction of the others at that moment.
 pub type Force = fn(&[f64], &Sample, f64) -> f64;
 
+/// Most operations of a short equation.
+const SHORT: usize = 24;
+
+/// Whence a term's force comes.
+#[derive(Debug, Clone, Copy)]
+pub enum Formula {
+    /// An equation.
+    Equation {
+        /// As written.
+        text: &'static str,
+        /// As worked off.
+        operations: &'static [Operation],
+    },
+    /// Code.
+    Code {
+        /// The force.
+        force: Force,
+        /// Values from which a fit starts, in units of each parameter's usual size.
+        starts: &'static [&'static [f64]],
+    },
+}
+
 /// A base or an effect.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct Entry {
     /// Name, and section in the model file.
     pub name: &'static str,
@@ -99,13 +118,10 @@ pub struct Entry {
     pub role: Role,
     /// Its parameters.
     pub parameters: &'static [Parameter],
-    /// Its force as an equation over position, velocity, acceleration, direction, time, friction of the others, load and predicted
-    /// force; `None` where it is no force or none that an equation can give.
-    pub equation: Option<&'static str>,
     /// Its force.
-    pub force: Force,
-    /// Values from which a fit starts, in units of each parameter's usual size.
-    pub starts: &'static [&'static [f64]],
+    pub formula: Formula,
+    /// Whether a file of the user's describes it.
+    pub own: bool,
 }
 
 impl PartialEq for Entry {
@@ -122,6 +138,65 @@ impl Entry {
             && self.path.is_none_or(|needed| needed == path)
             && (has_load || !self.needs_load)
     }
+
+    /// Its force at a moment.
+    #[must_use]
+    pub fn force(&self, values: &[f64], sample: &Sample, friction: f64) -> f64 {
+        match self.formula {
+            Formula::Equation { operations, .. } => {
+                let at = coordinates(sample, friction);
+                // A fit asks for forces by the million: short equations need no memory of the heap.
+                let mut short = [0.0; SHORT];
+                if operations.len() <= SHORT {
+                    return operations::value(operations, values, &at, &mut short);
+                }
+                operations::value(operations, values, &at, &mut vec![0.0; operations.len()])
+            }
+            Formula::Code { force, .. } => force(values, sample, friction),
+        }
+    }
+
+    /// Its equation, if it is described by one.
+    #[must_use]
+    pub fn equation(&self) -> Option<&'static str> {
+        match self.formula {
+            Formula::Equation { text, .. } => Some(text),
+            Formula::Code { .. } => None,
+        }
+    }
+
+    /// The values at which it vanishes, of each number that decides that; none of a law, which takes another's place.
+    #[must_use]
+    pub fn origins(&self, kind: Kind, path: Path, scales: &Scales) -> Vec<Option<f64>> {
+        match self.formula {
+            Formula::Equation { .. } => start::origins(self, kind, path, scales),
+            Formula::Code { .. } if self.role == Role::Law => Vec::new(),
+            Formula::Code { .. } => vec![Some(0.0); self.parameters.len()],
+        }
+    }
+
+    /// Values from which a fit starts, each a set of all its numbers, on such a plant and records of these sizes. Empty where nothing
+    /// of the effect shows there.
+    #[must_use]
+    pub fn starts(&self, kind: Kind, path: Path, scales: &Scales) -> Vec<Vec<f64>> {
+        match self.formula {
+            Formula::Equation { .. } => start::values(self, kind, path, scales).unwrap_or_default(),
+            Formula::Code { starts, .. } => starts
+                .iter()
+                .map(|multiples| {
+                    let sizes = self
+                        .parameters
+                        .iter()
+                        .map(|own| own.dimension.scale(scales));
+                    multiples
+                        .iter()
+                        .zip(sizes)
+                        .map(|(multiple, size)| multiple * size)
+                        .collect()
+                })
+                .collect(),
+        }
+    }
 }
 
 /// Shorthand for a parameter.
@@ -137,5 +212,6 @@ pub const fn parameter(
         dimension,
         range,
         description,
+        guess: None,
     }
 }

@@ -1,5 +1,8 @@
 //! Kinds of small plants, their dimensions and the units that columns and parameters have.
 
+use stickslip::expression::Dimension as SiDimension;
+use stickslip::parameter::units::UnitError;
+
 use super::motion::Scales;
 
 /// What a small plant is.
@@ -85,12 +88,16 @@ pub enum Dimension {
     ForcePerPosition,
     /// Force over the square of position.
     ForcePerPositionSquared,
+    /// Position.
+    Position,
     /// Speed.
     Speed,
     /// Acceleration.
     Acceleration,
     /// Time by which something lags.
     Delay,
+    /// Time over which something happens in a record.
+    Duration,
     /// Change over a minute, as a share.
     PerMinute,
     /// Angle.
@@ -101,6 +108,13 @@ pub enum Dimension {
     PerForce,
     /// Force over a voltage.
     ForcePerVoltage,
+    /// That of a unit, on plants of a path.
+    Si {
+        /// The unit.
+        unit: &'static str,
+        /// The path.
+        path: Path,
+    },
     /// That of an FMU's parameter.
     Own {
         /// Its unit as the FMU gives it.
@@ -110,7 +124,36 @@ pub enum Dimension {
     },
 }
 
+/// How files of effects spell dimensions in terms of the plant.
+const WORDS: [(&str, Dimension); 13] = [
+    ("force", Dimension::Force),
+    ("force/speed", Dimension::ForcePerSpeed),
+    ("force/speed2", Dimension::ForcePerSpeedSquared),
+    ("force/position", Dimension::ForcePerPosition),
+    ("force/position2", Dimension::ForcePerPositionSquared),
+    ("inertia", Dimension::Inertia),
+    ("position", Dimension::Position),
+    ("speed", Dimension::Speed),
+    ("acceleration", Dimension::Acceleration),
+    ("1/force", Dimension::PerForce),
+    ("1/min", Dimension::PerMinute),
+    ("rad", Dimension::Angle),
+    ("1", Dimension::Ratio),
+];
+
 impl Dimension {
+    /// The dimension that a file of effects spells so, in terms of the plant or as a unit on plants of this path.
+    ///
+    /// # Errors
+    /// It is neither.
+    pub fn of_words(words: &'static str, path: Path) -> Result<Self, UnitError> {
+        if let Some((_, dimension)) = WORDS.iter().find(|(known, _)| *known == words) {
+            return Ok(*dimension);
+        }
+        SiDimension::of_unit(words)?;
+        Ok(Self::Si { unit: words, path })
+    }
+
     /// SI unit of the dimension for a plant of this kind and path.
     #[must_use]
     pub fn unit(self, kind: Kind, path: Path) -> &'static str {
@@ -134,11 +177,13 @@ impl Dimension {
             Self::ForcePerPositionSquared if free => "1/(rad.s2)",
             Self::ForcePerPositionSquared if turn => "N.m/rad2",
             Self::ForcePerPositionSquared => "N/m2",
+            Self::Position if turn => "rad",
+            Self::Position => "m",
             Self::Speed if turn => "rad/s",
             Self::Speed => "m/s",
             Self::Acceleration if turn => "rad/s2",
             Self::Acceleration => "m/s2",
-            Self::Delay => "s",
+            Self::Delay | Self::Duration => "s",
             Self::PerMinute => "1/min",
             Self::Angle => "rad",
             Self::Ratio => "1",
@@ -148,7 +193,7 @@ impl Dimension {
             Self::ForcePerVoltage if free => "rad/(s2.V)",
             Self::ForcePerVoltage if turn => "N.m/V",
             Self::ForcePerVoltage => "N/V",
-            Self::Own { unit, .. } => unit,
+            Self::Own { unit, .. } | Self::Si { unit, .. } => unit,
         }
     }
 
@@ -171,13 +216,26 @@ impl Dimension {
             Self::ForcePerSpeedSquared => force / (speed * speed),
             Self::ForcePerPosition => force / position,
             Self::ForcePerPositionSquared => force / (position * position),
+            Self::Position => position,
             Self::Speed => speed,
             Self::Acceleration => acceleration,
             Self::Delay => 0.1 * speed / acceleration,
+            Self::Duration => duration,
             Self::PerMinute => 60.0 / duration,
             Self::Angle | Self::Ratio => 1.0,
             Self::PerForce => 1.0 / force,
             Self::ForcePerVoltage => force / voltage,
+            Self::Si { unit, path } => {
+                // Radians are pure numbers, so that a turn has no length.
+                let (length, time) = match path {
+                    Path::Line => (position, position / speed),
+                    Path::Turn => (1.0, 1.0 / speed),
+                };
+                let mass = force * time * time / length;
+                let current = force * speed / voltage;
+                let dimension = SiDimension::of_unit(unit).unwrap_or_default();
+                dimension.scale([mass, length, time, current])
+            }
             Self::Own { size, .. } => size,
         }
     }

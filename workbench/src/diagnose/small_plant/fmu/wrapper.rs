@@ -15,10 +15,9 @@ use super::wrapper_description::{Abilities, Added, Changes, abilities, changed};
 use crate::component::{Archive, ArchiveError, ComponentError, Description, FmiVersion};
 use crate::diagnose::report::markup::escape;
 use crate::diagnose::small_plant::base::PARAMETERS;
-use crate::diagnose::small_plant::equation::as_operations;
 use crate::diagnose::small_plant::model::Term;
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::term::Role;
+use crate::diagnose::small_plant::term::{Formula, Role};
 use crate::diagnose::small_plant::unit::Kind;
 
 /// Beginning of the names that the original does not have.
@@ -332,15 +331,15 @@ impl Making {
         let mut added = Vec::new();
         for term in friction.into_iter().chain(others) {
             let path = model.model.path;
-            let Some(Ok(operations)) = as_operations(term.entry, Kind::Fmu, path) else {
+            let Formula::Equation { text, operations } = term.entry.formula else {
                 left_out.push(term.entry.name);
                 continue;
             };
             let parameters = term.entry.parameters.iter().zip(&term.values);
             added.push(AddedEffect {
                 name: term.entry.name.to_owned(),
-                equation: term.entry.equation.unwrap_or_default().to_owned(),
-                operations,
+                equation: text.to_owned(),
+                operations: operations.to_vec(),
                 is_friction: term.entry.role == Role::Friction,
                 parameters: parameters
                     .map(|(own, value)| {
