@@ -153,7 +153,7 @@ fn at_one_place(settings: &Settings, rows: &[Vec<Point>], bands: &[Bands]) -> Fi
     .row(
         280.0,
         vec![
-            histogram("lowest θ̇₂ [rad/s]", MINIMUM),
+            histogram("half amplitude of θ̇₂ [rad/s]", HALF_AMPLITUDE),
             histogram("highest θ̇₂ [rad/s]", MAXIMUM),
         ],
     )
