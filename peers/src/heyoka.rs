@@ -88,7 +88,7 @@ pub fn apart(runs: &[Run]) -> String {
     format!(
         "heyoka: one adaptive Taylor integrator a mode, numbers compiled in, made once; exact terminal events; outputs by propagate_grid; \
          non-compact, compact, with fast math and with SLP vectorisation ({}). Not counted: compiling, up to {:.2} s of processor time \
-         for the modes of one run, and the Python loop around the modes, {:.2} to {:.2} ms a run, measured by playing the run's calls \
+         for the modes of one run, and the Python loop around the modes, which in (b) solves the algebraic loop at each switch, {:.2} to {:.2} ms a run, measured by playing the run's calls \
          without integration.",
         include_str!("../python/heyoka-requirements.txt")
             .lines()
