@@ -14,7 +14,7 @@ use crate::files::write_atomically;
 use crate::measurement::Run;
 use crate::report::{Findings, Reference, csv, equal_error_tables, page, run_table};
 use crate::systems::{self, System};
-use crate::{cvode, ours, plot, python};
+use crate::{cvode, heyoka, ours, plot, scipy};
 
 /// Largest difference [rad] between independent converged solutions that still makes a reference.
 const REFERENCE_AGREEMENT: f64 = 1e-9;
@@ -24,9 +24,11 @@ const REFERENCE_AGREEMENT: f64 = 1e-9;
 pub enum Solver {
     /// Our own integrator.
     Stickslip,
+    /// heyoka's Taylor integrators, compiled by LLVM at run time.
+    Heyoka,
     /// SUNDIALS CVODE, compiled C.
     Cvode,
-    /// The Rust crate diffsol; system (a) only.
+    /// The Rust crate diffsol.
     #[cfg(feature = "diffsol")]
     Diffsol,
     /// scipy's LSODA and Radau with functions compiled by numba.
@@ -78,20 +80,25 @@ pub fn run(options: &Options) -> Result<bool> {
             runs.extend(ours::sweep(system, effort)?);
         }
         bar.inc(1);
+        if wanted(Solver::Heyoka) {
+            doing(heyoka::NAME);
+            runs.extend(heyoka::sweep(system, effort)?);
+        }
+        bar.inc(1);
         if let Some(program) = &program {
             doing(cvode::NAME);
             runs.extend(cvode::sweep(program, system, effort)?);
         }
         bar.inc(1);
         #[cfg(feature = "diffsol")]
-        if wanted(Solver::Diffsol) && diffsol_rig::knows(system) {
+        if wanted(Solver::Diffsol) {
             doing(diffsol_rig::NAME);
             runs.extend(diffsol_rig::sweep(system, effort)?);
         }
         bar.inc(1);
         if wanted(Solver::Scipy) {
             doing("scipy");
-            runs.extend(python::sweep(system, effort)?);
+            runs.extend(scipy::sweep(system, effort)?);
         }
         bar.inc(1);
     }
@@ -105,11 +112,12 @@ pub fn run(options: &Options) -> Result<bool> {
             run.error = (run.theta - reference.theta).abs();
         }
     }
+    let setting = setting(&runs);
     let findings = Findings {
         systems,
         references,
         runs,
-        setting: setting(),
+        setting,
     };
     println!("{}", run_table(&findings));
     println!("{}", equal_error_tables(&findings, ours::NAME));
@@ -145,6 +153,7 @@ fn reference(system: &System, runs: &[Run]) -> Result<Reference> {
     for (solver, configuration) in [
         (cvode::NAME, Some(cvode::MOST_PRECISE)),
         (ours::NAME, Some(ours::MOST_PRECISE)),
+        (heyoka::NAME, Some(heyoka::MOST_PRECISE)),
     ] {
         if let Some(run) = tightest(runs, system, solver, configuration) {
             sources.push((format!("{solver} at {:.0e}", run.tolerance), run.theta));
@@ -154,9 +163,10 @@ fn reference(system: &System, runs: &[Run]) -> Result<Reference> {
         .first()
         .with_context(|| {
             format!(
-                "system {}: a reference needs CVODE or {} among --solvers",
+                "system {}: a reference needs CVODE, {} or {} among --solvers",
                 system.key,
-                ours::NAME
+                ours::NAME,
+                heyoka::NAME
             )
         })?
         .clone();
@@ -191,10 +201,17 @@ fn progress(systems: u64) -> ProgressBar {
     bar
 }
 
-/// Prints each system's ratio at 1e-6 rad against its bar.
+/// Prints each system's ratios at 1e-6 rad: to heyoka, and to CVODE against its bar.
 fn bars_met(findings: &Findings) -> bool {
     let mut met = true;
     for system in &findings.systems {
+        if let Some(ratio) = findings.ratio(system.key, heyoka::NAME, ours::NAME, 1e-6) {
+            println!(
+                "({}) heyoka / {} at 1e-6 rad: {ratio:.2}",
+                system.key,
+                ours::NAME
+            );
+        }
         let Some(ratio) = findings.ratio(system.key, cvode::NAME, ours::NAME, 1e-6) else {
             continue;
         };
@@ -211,7 +228,7 @@ fn bars_met(findings: &Findings) -> bool {
 }
 
 /// Lines on the machine for the page.
-fn setting() -> Vec<String> {
+fn setting(runs: &[Run]) -> Vec<String> {
     let processor = std::fs::read_to_string("/proc/cpuinfo")
         .ok()
         .and_then(|text| {
@@ -229,10 +246,11 @@ fn setting() -> Vec<String> {
         .join(", ");
     vec![
         format!("Processor: {processor}; one thread; processor time, not wall time, so that other load hardly counts."),
+        heyoka::apart(runs),
         "CVODE: the distribution's SUNDIALS (6.4.1 in Debian 12), C compiled with -O3 -march=native, BDF and Adams with \
          Newton, dense solver and analytic Jacobian, root finding, output by CV_NORMAL."
             .into(),
-        "diffsol 0.18.0 with nalgebra: BDF, TR-BDF2, ESDIRK34, Tsit45, root finding, analytic Jacobian products; (a) only.".into(),
+        "diffsol 0.18.0 with nalgebra: BDF, TR-BDF2, ESDIRK34, Tsit45, root finding, analytic Jacobian products.".into(),
         format!("scipy: solve_ivp with terminal events, functions compiled by numba ({python})."),
     ]
 }

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::effort::Effort;
 use crate::files;
-use crate::measurement::Run;
+use crate::measurement::{Apart, Run};
 use crate::systems::{END_TIME, OUTPUT_STEP, System};
 
 /// Name in tables.
@@ -124,5 +124,6 @@ fn parse(system: &System, line: &str) -> Result<Run> {
         error: f64::NAN,
         switches: switches.parse()?,
         steps: steps.parse()?,
+        apart: Apart::default(),
     })
 }

@@ -14,12 +14,14 @@ mod effects;
 mod effort;
 mod files;
 mod fmu;
+mod heyoka;
+mod interpreter;
 mod laws;
 mod measurement;
 mod ours;
 mod plot;
-mod python;
 mod report;
+mod scipy;
 mod systems;
 
 use std::process::ExitCode;

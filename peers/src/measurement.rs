@@ -23,6 +23,18 @@ pub struct Run {
     pub switches: u64,
     /// Steps taken (0: the solver does not tell).
     pub steps: u64,
+    /// Processor times that are not in `seconds`.
+    #[serde(flatten)]
+    pub apart: Apart,
+}
+
+/// Processor times of a run that are stated but not counted [s].
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Apart {
+    /// The loop around the integration, in a slower language than the solver's.
+    pub driver: f64,
+    /// Compiling the equations, once before all repetitions.
+    pub compiling: f64,
 }
 
 /// Smallest error a double can show in an angle of some 300 rad.
@@ -100,6 +112,7 @@ mod tests {
             error,
             switches: 0,
             steps: 0,
+            apart: Apart::default(),
         }
     }
 

@@ -8,7 +8,7 @@ use stickslip::integrator::{Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES, index};
 
 use crate::effort::Effort;
-use crate::measurement::Run;
+use crate::measurement::{Apart, Run};
 use crate::systems::{END_TIME, OUTPUT_STEP, System};
 
 /// Name in tables.
@@ -97,5 +97,6 @@ fn simulate(
         error: f64::NAN,
         switches: statistics.switches,
         steps: statistics.segments,
+        apart: Apart::default(),
     })
 }

@@ -63,12 +63,13 @@ impl Findings {
 /// All runs as CSV.
 #[must_use]
 pub fn csv(findings: &Findings) -> String {
-    let mut text =
-        String::from("system,solver,configuration,tolerance,seconds,theta,error,switches,steps\n");
+    let mut text = String::from(
+        "system,solver,configuration,tolerance,seconds,theta,error,switches,steps,driver,compiling\n",
+    );
     for r in &findings.runs {
         let _ = writeln!(
             text,
-            "{},{},\"{}\",{:e},{:e},{:?},{:e},{},{}",
+            "{},{},\"{}\",{:e},{:e},{:?},{:e},{},{},{:e},{:e}",
             r.system,
             r.solver,
             r.configuration,
@@ -77,7 +78,9 @@ pub fn csv(findings: &Findings) -> String {
             r.theta,
             r.error,
             r.switches,
-            r.steps
+            r.steps,
+            r.apart.driver,
+            r.apart.compiling
         );
     }
     text

@@ -17,6 +17,7 @@ use crate::diagnose::effect_page::{self, EffectsArguments};
 use crate::diagnose::score::{self, ScoreArguments};
 use crate::diagnose::small_plant::fmu::template::{self, PortsArguments};
 use crate::diagnose::small_plant::fmu::worker::{self, COMMAND as WORKER};
+use crate::ensemble::{self, EnsembleArguments};
 use crate::experiment::{self, command::ExperimentArguments};
 use crate::identify::{self, command::IdentifyArguments};
 use crate::info::{self, InfoArguments};
@@ -74,6 +75,14 @@ pub enum Command {
 Interrupted, it goes on with the same command."
     )]
     Map(MapArguments),
+    /// Run a rig many times with parameters drawn from their uncertainties: probability of stick-slip, bands of its measures.
+    #[command(
+        after_help = "Example: stickslip ensemble rig.toml --speed-rpm 20:80:13 --normal-force 0:80:9 --runs 200 --seed 1 --out ensemble
+         stickslip ensemble rig.toml --speed-rpm 55 --normal-force 50 --runs 10000 --seed 1 --uncertain contact.mu_s=0.1 --out ensemble
+
+Interrupted, it goes on with the same command."
+    )]
+    Ensemble(EnsembleArguments),
     /// Run a rig with controllers over speed and normal force, or over the communication step.
     ClosedLoop(ClosedLoopArguments),
     /// Say what a model or an FMU is and has.
@@ -187,6 +196,7 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
     match &cli.command {
         Command::Simulate(arguments) => simulate::command(arguments),
         Command::Map(arguments) => map::command(arguments),
+        Command::Ensemble(arguments) => ensemble::command(arguments),
         Command::ClosedLoop(arguments) => closed_loop::command(arguments),
         Command::Info(arguments) => info::command(arguments),
         Command::Diagnose(arguments) => diagnose::diagnose(arguments),

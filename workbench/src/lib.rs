@@ -1,6 +1,7 @@
 //! The workbench behind the command `stickslip`: simulating, mapping and examining the rig.
 //!
-//! One module per command: [`simulate`], [`map`], [`closed_loop`], [`info`], [`diagnose`], [`build`], [`cross_check`], [`experiment`], [`identify`],
+//! One module per command: [`simulate`], [`map`], [`ensemble`], [`closed_loop`],
+//! [`info`], [`diagnose`], [`build`], [`cross_check`], [`experiment`], [`identify`],
 //! [`calibrate`]; [`cli`] dispatches. They stand on
 //!
 //! - [`component`]: the native model and FMUs of both versions behind one trait;
@@ -15,6 +16,7 @@ pub mod cli;
 pub mod closed_loop;
 pub mod cross_check;
 pub mod diagnose;
+pub mod ensemble;
 pub mod experiment;
 pub mod files;
 pub mod identify;

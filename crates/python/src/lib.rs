@@ -5,6 +5,7 @@
 
 mod arrays;
 mod case;
+mod ensemble;
 mod errors;
 mod job;
 mod map;
@@ -54,6 +55,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<rig::Rig>()?;
     module.add_function(wrap_pyfunction!(look_for_libraries_in, module)?)?;
     module.add_function(wrap_pyfunction!(split_columns, module)?)?;
+    module.add_function(wrap_pyfunction!(ensemble::ensemble, module)?)?;
     module.add_function(wrap_pyfunction!(map::map, module)?)?;
     module.add_function(wrap_pyfunction!(programs::stickslip, module)?)?;
     module.add_function(wrap_pyfunction!(programs::build_fmu, module)?)?;

@@ -75,6 +75,27 @@ def test_an_interrupted_map_keeps_its_rows_and_goes_on(tmp_path: pathlib.Path) -
     pandas.testing.assert_frame_equal(head, again.frame, check_exact=True)
 
 
+def test_an_interrupted_ensemble_keeps_its_rigs_and_goes_on(tmp_path: pathlib.Path) -> None:
+    words = "speed_rpm=(20, 80, 10), normal_force=(1, 60, 5), runs=300, seed=2, threads=1"
+    call = f"stickslip.ensemble(stickslip.Rig.reduced(), {words}, out={str(tmp_path)!r})"
+    out, _ = interrupted_after(
+        1.5,
+        f"""
+        try:
+            {call}
+        except stickslip.Interrupted as stopped:
+            print(len(stopped.partial.rigs), len(stopped.partial.runs), stopped)
+        """,
+    )
+    rigs, runs, message = out.split(maxsplit=2)
+    assert 0 < int(rigs) < 300 and int(runs) == 50 * int(rigs)
+    assert "the same call goes on from there" in message
+    rig = stickslip.Rig.reduced()
+    made = stickslip.ensemble(rig, speed_rpm=(20, 80, 10), normal_force=(1, 60, 5), runs=300, seed=2, out=tmp_path)
+    few = stickslip.ensemble(rig, speed_rpm=(20, 80, 10), normal_force=(1, 60, 5), runs=3, seed=2)
+    pandas.testing.assert_frame_equal(made.runs.iloc[: 3 * 50], few.runs, check_exact=True)
+
+
 def test_an_interrupted_run_keeps_its_rows() -> None:
     out, seconds = interrupted_after(
         1.0,

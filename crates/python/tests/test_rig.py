@@ -173,6 +173,18 @@ def test_figures_are_returned_and_displayed_by_notebooks() -> None:
         assert "<table" in shown._repr_html_()
 
 
+def test_what_an_ensemble_cannot_be_is_refused_with_what_is_right(refused: Callable[..., str]) -> None:
+    rig = stickslip.Rig.reduced()
+
+    def message(**words: object) -> str:
+        return refused(stickslip.ensemble, rig, **{"speed_rpm": 55, "normal_force": 50, "runs": 5, "seed": 1, **words})
+
+    assert "runs 0" in message(runs=0)
+    assert "did you mean `contact.mu_s`" in message(draw=["contact.mu_ss"])
+    assert "no relative_uncertainty of gearbox.ratio" in message(draw=["gearbox.ratio"])
+    assert "below 1" in message(uncertain={"contact.mu_s": 2.0})
+
+
 def test_what_a_map_cannot_be_is_refused_with_what_is_right(refused: Callable[..., str]) -> None:
     rig = stickslip.Rig.reduced()
 

@@ -69,6 +69,29 @@ def test_extrema_over_one_quantity(tmp_path: pathlib.Path) -> None:
     assert made.extrema.equals(expected)
 
 
+def test_an_ensemble(tmp_path: pathlib.Path) -> None:
+    model = MODELS / "reduced-rig.toml"
+    words = ["--speed-rpm", 55, "--normal-force", "0:60:4", "--runs", 20, "--seed", 3, "--uncertain", "contact.mu_s=0.1"]
+    words += ["--duration", 20, "--out", tmp_path / "program"]
+    assert run(BUILT / "stickslip", "ensemble", model, *words).returncode == 0
+    made = stickslip.ensemble(
+        stickslip.Rig.from_toml(model),
+        speed_rpm=55,
+        normal_force=(0, 60, 4),
+        runs=20,
+        seed=3,
+        uncertain={"contact.mu_s": 0.1},
+        duration=20,
+        out=tmp_path / "package",
+    )
+    tables = {"ensemble": made.frame, "runs": made.runs, "rigs": made.rigs.reset_index()}
+    for name, frame in tables.items():
+        expected = tmp_path / f"program/{name}.csv"
+        assert (tmp_path / f"package/{name}.csv").read_bytes() == expected.read_bytes()
+        pandas.testing.assert_frame_equal(frame, pandas.read_csv(expected), check_exact=True)
+    assert made.figure().axes and "20 rigs" in repr(made)
+
+
 def comparable(text: str) -> object:
     """A finding but for the time it took."""
     return {**json.loads(text), "seconds": None}

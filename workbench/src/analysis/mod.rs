@@ -3,4 +3,5 @@
 pub mod limit_cycle;
 pub mod measures;
 pub mod motion;
+pub mod quantile;
 pub mod spectrum;

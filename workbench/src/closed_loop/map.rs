@@ -41,6 +41,7 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
     let (journal, kept) = Journal::open(
         &arguments.out.join("map.journal"),
         &identity(arguments)?,
+        "a map with other settings",
         shape,
     )?;
     let bar = ProgressBar::new((shape.0 * shape.1) as u64)

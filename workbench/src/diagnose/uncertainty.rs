@@ -43,6 +43,33 @@ pub struct UncertaintyError {
 /// Relative standard deviations [1] by dotted name of a parameter.
 pub type Uncertainties = Vec<(String, f64)>;
 
+/// Relative standard deviations that the model file states, in the order of the model's parameters.
+///
+/// # Errors
+/// [`UncertaintyError`] where one is not between 0 and 1.
+pub fn stated(model: &ModelFile, file: &str) -> Result<Uncertainties, UncertaintyError> {
+    let mut all = Vec::new();
+    for parameter in model.rig.parameters() {
+        let name = parameter.name;
+        let stated = model
+            .provenance
+            .get(&name)
+            .and_then(|origin| origin.relative_uncertainty);
+        let Some(value) = stated else {
+            continue;
+        };
+        if !(value > 0.0 && value < 1.0) {
+            return Err(UncertaintyError {
+                file: file.to_owned(),
+                name,
+                value,
+            });
+        }
+        all.push((name, value));
+    }
+    Ok(all)
+}
+
 /// Relative standard deviations of the model's parameters, and a note on those that were assumed.
 ///
 /// # Errors
@@ -51,22 +78,12 @@ pub fn uncertainties(
     model: &ModelFile,
     file: &str,
 ) -> Result<(Uncertainties, Option<String>), UncertaintyError> {
+    let stated = stated(model, file)?;
     let (mut all, mut assumed) = (Vec::new(), Vec::new());
     for parameter in model.rig.parameters() {
         let name = parameter.name;
-        let stated = model
-            .provenance
-            .get(&name)
-            .and_then(|origin| origin.relative_uncertainty);
-        if let Some(value) = stated {
-            if !(value > 0.0 && value < 1.0) {
-                return Err(UncertaintyError {
-                    file: file.to_owned(),
-                    name,
-                    value,
-                });
-            }
-            all.push((name, value));
+        if let Some(known) = stated.iter().find(|(known, _)| *known == name) {
+            all.push(known.clone());
         } else if let Some((_, usual)) = ASSUMED.iter().find(|(known, _)| *known == name)
             && model.rig.parameter(&name).is_some_and(|value| value != 0.0)
         {

@@ -12,16 +12,16 @@ pub struct Journal(JournalFile);
 
 impl Journal {
     /// Opens the journal of the map with this identity and so many rows and columns, or begins it; returns the rows it
-    /// holds.
+    /// holds. `other` says what a journal with another identity belongs to.
     ///
     /// # Errors
     /// [`JournalError`] where the file belongs to another map or cannot be used.
     pub fn open(
         path: &Path,
         identity: &str,
+        other: &'static str,
         shape: (usize, usize),
     ) -> Result<(Self, BTreeMap<usize, Vec<Point>>), JournalError> {
-        let other = "a map with other settings";
         let (file, rows) = JournalFile::open(path, identity, other, |body| read_rows(body, shape))?;
         Ok((Self(file), rows))
     }
@@ -87,38 +87,46 @@ mod tests {
     use super::*;
     use std::fs;
 
+    const OTHER: &str = "another map";
+
     #[test]
     fn finished_rows_are_kept_and_torn_ones_are_not() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("deep/map.journal");
-        let (journal, rows) = Journal::open(&path, "settings", (5, 2)).unwrap();
+        let (journal, rows) = Journal::open(&path, "settings", OTHER, (5, 2)).unwrap();
         assert!(rows.is_empty());
         journal.add(3, &[Point::failed(), Point::failed()]).unwrap();
         drop(journal);
         let whole = fs::read_to_string(&path).unwrap();
         for torn in ["row 4\nstick_sl", "row 5\nend\n", "row 4\nend\n"] {
             fs::write(&path, format!("{whole}{torn}")).unwrap();
-            let (_, rows) = Journal::open(&path, "settings", (5, 2)).unwrap();
+            let (_, rows) = Journal::open(&path, "settings", OTHER, (5, 2)).unwrap();
             assert_eq!(rows.keys().copied().collect::<Vec<_>>(), [3], "{torn}");
             assert_eq!(rows[&3].len(), 2);
         }
-        let (journal, _) = Journal::open(&path, "settings", (5, 2)).unwrap();
+        let (journal, _) = Journal::open(&path, "settings", OTHER, (5, 2)).unwrap();
         journal.add(4, &[Point::failed(), Point::failed()]).unwrap();
-        assert_eq!(Journal::open(&path, "settings", (5, 2)).unwrap().1.len(), 2);
+        assert_eq!(
+            Journal::open(&path, "settings", OTHER, (5, 2))
+                .unwrap()
+                .1
+                .len(),
+            2
+        );
     }
 
     #[test]
     fn the_journal_of_another_map_is_left_alone() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("map.journal");
-        Journal::open(&path, "settings", (1, 0))
+        Journal::open(&path, "settings", OTHER, (1, 0))
             .unwrap()
             .0
             .add(0, &[])
             .unwrap();
         let before = fs::read(&path).unwrap();
         assert!(matches!(
-            Journal::open(&path, "others", (1, 0)),
+            Journal::open(&path, "others", OTHER, (1, 0)),
             Err(JournalError::Foreign { .. })
         ));
         assert_eq!(fs::read(&path).unwrap(), before);

@@ -30,27 +30,34 @@ fn table(settings: &Settings, rows: &[Vec<Point>]) -> String {
         text.push_str(axis.quantity.name());
         text.push(',');
     }
-    text.push_str(settings.row_axis().quantity.name());
-    text.push_str(",motion,velocity_minimum,velocity_maximum,half_amplitude,frequency,stick_fraction,switches\n");
+    let _ = writeln!(text, "{},{MEASURES}", settings.row_axis().quantity.name());
     for (points, upward) in rows.iter().zip(&settings.row_axis().values) {
         for (column, point) in points.iter().enumerate() {
             if let Some(axis) = settings.column_axis() {
                 let _ = write!(text, "{:?},", axis.values[column]);
             }
-            let _ = writeln!(
-                text,
-                "{upward:?},{},{},{},{},{},{},{}",
-                point.motion.map_or("failed", Motion::name),
-                number(point.minimum),
-                number(point.maximum),
-                number(point.half_amplitude()),
-                number(point.frequency),
-                number(point.stick_fraction),
-                point.switches
-            );
+            let _ = writeln!(text, "{upward:?},{}", measures(point));
         }
     }
     text
+}
+
+/// Names of a run's columns.
+pub(crate) const MEASURES: &str =
+    "motion,velocity_minimum,velocity_maximum,half_amplitude,frequency,stick_fraction,switches";
+
+/// A run's columns, named by [`MEASURES`].
+pub(crate) fn measures(point: &Point) -> String {
+    format!(
+        "{},{},{},{},{},{},{}",
+        point.motion.map_or("failed", Motion::name),
+        number(point.minimum),
+        number(point.maximum),
+        number(point.half_amplitude()),
+        number(point.frequency),
+        number(point.stick_fraction),
+        point.switches
+    )
 }
 
 fn extrema(settings: &Settings, rows: &[Vec<Point>]) -> String {
@@ -67,7 +74,7 @@ fn extrema(settings: &Settings, rows: &[Vec<Point>]) -> String {
 }
 
 /// A number, or nothing where there is none.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value.is_finite() {
         format!("{value:?}")
     } else {

@@ -228,12 +228,7 @@ impl Settings {
     /// How the runs are integrated.
     #[must_use]
     pub fn options(&self) -> Options {
-        Options {
-            tolerance: self.tolerance,
-            order: ORDER,
-            budget: BUDGET,
-            ..Options::default()
-        }
+        run_options(self.tolerance)
     }
 
     /// Rig and inputs of one run.
@@ -309,7 +304,19 @@ impl Settings {
     }
 }
 
-fn check_numbers(duration: f64, tolerance: f64) -> Result<(), SettingsError> {
+/// How runs of which thousands are wanted are integrated.
+#[must_use]
+pub(crate) fn run_options(tolerance: f64) -> Options {
+    Options {
+        tolerance,
+        order: ORDER,
+        budget: BUDGET,
+        ..Options::default()
+    }
+}
+
+/// Checks the length of a run [s] and the integrator's tolerance.
+pub(crate) fn check_numbers(duration: f64, tolerance: f64) -> Result<(), SettingsError> {
     if !(duration.is_finite() && duration > 0.0) {
         return Err(SettingsError::Number {
             name: "--duration",
@@ -327,7 +334,27 @@ fn check_numbers(duration: f64, tolerance: f64) -> Result<(), SettingsError> {
     Ok(())
 }
 
-fn check_quantities(rig: &Rig<f64>, spans: &[(Quantity, Span)]) -> Result<(), SettingsError> {
+/// The error of a name that no parameter of the rig has.
+pub(crate) fn unknown_parameter(rig: &Rig<f64>, name: &str) -> SettingsError {
+    let names: Vec<String> = rig
+        .parameters()
+        .into_iter()
+        .map(|parameter| parameter.name)
+        .collect();
+    let hint = closest(name, names.iter().map(String::as_str))
+        .map(|near| format!("; did you mean `{near}`?"))
+        .unwrap_or_default();
+    SettingsError::UnknownParameter {
+        name: name.to_owned(),
+        hint,
+    }
+}
+
+/// Checks that a rig can take these values of its inputs and parameters.
+pub(crate) fn check_quantities(
+    rig: &Rig<f64>,
+    spans: &[(Quantity, Span)],
+) -> Result<(), SettingsError> {
     for (index, (quantity, span)) in spans.iter().enumerate() {
         let name = quantity.name().to_owned();
         if spans[..index].iter().any(|(other, _)| other == quantity) {
@@ -341,16 +368,7 @@ fn check_quantities(rig: &Rig<f64>, spans: &[(Quantity, Span)]) -> Result<(), Se
                     return Err(SettingsError::NegativeForce { name, value });
                 }
                 Quantity::Parameter(parameter) if rig.position(parameter).is_none() => {
-                    let names: Vec<String> = rig
-                        .parameters()
-                        .into_iter()
-                        .map(|parameter| parameter.name)
-                        .collect();
-                    let near = closest(parameter, names.iter().map(String::as_str));
-                    let hint = near
-                        .map(|near| format!("; did you mean `{near}`?"))
-                        .unwrap_or_default();
-                    return Err(SettingsError::UnknownParameter { name, hint });
+                    return Err(unknown_parameter(rig, parameter));
                 }
                 Quantity::Parameter(parameter) => {
                     let mut trial = *rig;
@@ -373,7 +391,8 @@ fn check_quantities(rig: &Rig<f64>, spans: &[(Quantity, Span)]) -> Result<(), Se
     }
 }
 
-fn label(rig: &Rig<f64>, quantity: &Quantity) -> String {
+/// Label of a quantity's axis.
+pub(crate) fn label(rig: &Rig<f64>, quantity: &Quantity) -> String {
     match quantity {
         Quantity::SpeedRpm => "speed [rpm]".to_owned(),
         Quantity::NormalForce => "normal force N₂ [N]".to_owned(),

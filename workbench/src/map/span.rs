@@ -11,6 +11,16 @@ pub struct Span {
 }
 
 impl Span {
+    /// One value.
+    #[must_use]
+    pub fn one(value: f64) -> Self {
+        Self {
+            from: value,
+            to: value,
+            count: 1,
+        }
+    }
+
     /// The values in order.
     #[must_use]
     pub fn values(&self) -> Vec<f64> {
@@ -48,11 +58,7 @@ impl FromStr for Span {
         };
         let parts: Vec<&str> = text.split(':').collect();
         match parts[..] {
-            [value] => number(value).map(|value| Self {
-                from: value,
-                to: value,
-                count: 1,
-            }),
+            [value] => number(value).map(Self::one),
             [from, to, count] => {
                 let (from, to) = (number(from)?, number(to)?);
                 match count.trim().parse::<usize>() {

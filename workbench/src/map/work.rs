@@ -31,6 +31,7 @@ impl<'a> Work<'a> {
         let (journal, kept) = Journal::open(
             &out.join("map.journal"),
             &settings.identity(),
+            "a map with other settings",
             (settings.rows(), settings.columns()),
         )?;
         Ok(Self {

@@ -23,6 +23,7 @@ from ._native import DefectError, InputError, __version__
 
 if TYPE_CHECKING:
     from ._case import Case
+    from ._ensemble import Ensemble, ensemble
     from ._finding import Effect, Finding, Number
     from ._jobs import Interrupted
     from ._map import Map, map
@@ -34,6 +35,7 @@ __all__ = [
     "Case",
     "DefectError",
     "Effect",
+    "Ensemble",
     "Finding",
     "InputError",
     "Interrupted",
@@ -44,6 +46,7 @@ __all__ = [
     "Score",
     "Summary",
     "__version__",
+    "ensemble",
     "map",
     "score",
 ]
@@ -54,6 +57,7 @@ _native.look_for_libraries_in(Path(__file__).parent / "libraries")
 _MODULES = {
     "Case": "_case",
     "Effect": "_finding",
+    "Ensemble": "_ensemble",
     "Finding": "_finding",
     "Interrupted": "_jobs",
     "Map": "_map",
@@ -62,6 +66,7 @@ _MODULES = {
     "Run": "_run",
     "Score": "_score",
     "Summary": "_run",
+    "ensemble": "_ensemble",
     "map": "_map",
     "score": "_score",
 }

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from ._native import InputError
 
 if TYPE_CHECKING:
+    from ._ensemble import Ensemble
     from ._finding import Finding
     from ._map import Map
     from ._run import Run
@@ -87,6 +88,29 @@ def of_map(made: Map) -> Figure:
     bar = figure.colorbar(image, ax=axes, ticks=range(len(_MOTIONS)))
     bar.ax.set_yticklabels([name.replace("_", " ") for name in _MOTIONS])
     axes.set(xlabel=_AXES.get(across, across), ylabel=_AXES.get(upward, upward))
+    return figure
+
+
+def of_ensemble(made: Ensemble) -> Figure:
+    """Probability of stick-slip over two quantities or one, half amplitudes at one place."""
+    figure = _Figure(8, 5)
+    axes: Any = figure.subplots()
+    varied = [name for name in ("speed_rpm", "normal_force") if made.frame[name].nunique() > 1]
+    if len(varied) == 2:
+        across, upward = varied
+        grid = made.frame.pivot(index=upward, columns=across, values="stick_slip")
+        image = axes.pcolormesh(grid.columns, grid.index, grid.to_numpy(), vmin=0, vmax=1)
+        figure.colorbar(image, ax=axes, label="probability of stick-slip")
+        axes.set(xlabel=_AXES[across], ylabel=_AXES[upward])
+    elif varied:
+        x = made.frame[varied[0]]
+        axes.fill_between(x, made.frame["stick_slip_low"], made.frame["stick_slip_high"], alpha=0.3, label="95 % interval")
+        axes.plot(x, made.frame["stick_slip"])
+        axes.set(xlabel=_AXES[varied[0]], ylabel="probability of stick-slip", ylim=(-0.03, 1.03))
+        axes.legend()
+    else:
+        axes.hist(made.runs["half_amplitude"].dropna(), bins=40)
+        axes.set(xlabel="half amplitude of ω2 [rad/s]", ylabel="rigs")
     return figure
 
 

@@ -21,7 +21,7 @@ class Interrupted(KeyboardInterrupt):
 
     Attributes
     ----------
-    partial : Run, Map, Finding or None
+    partial : Run, Map, Ensemble, Finding or None
         What is finished.
     """
 

@@ -22,6 +22,7 @@ __all__ = [
     "Table",
     "__version__",
     "build_fmu",
+    "ensemble",
     "look_for_libraries_in",
     "map",
     "score",
@@ -116,6 +117,15 @@ def simulate(
     start: Sequence[tuple[str, float]],
     variables: Sequence[str] | None,
     by: Sequence[str],
+) -> Job: ...
+def ensemble(
+    rig: Rig,
+    spans: tuple[str, str, float | None],
+    number: tuple[int, int],
+    drawn: tuple[Sequence[str], Sequence[tuple[str, float]]],
+    lengths: tuple[float, float],
+    threads: int | None,
+    out: str | PathLike[str],
 ) -> Job: ...
 def map(
     rig: Rig,

@@ -9,6 +9,7 @@ use super::answer::{EQUIVALENT, Group, NEARLY_PARAMETERS};
 use super::judge::Judgement;
 use super::reliability::{bins, calibration_error};
 use super::wilson::Share;
+use crate::analysis::quantile::quantile;
 
 /// One line of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -208,14 +209,6 @@ fn figure(
         bar: bar.to_owned(),
         reached: value.map(reached),
     }
-}
-
-/// The value below which `share` of the values lie; `None` without values.
-fn quantile(values: &[f64], share: f64) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let last = sorted.len().checked_sub(1)?;
-    sorted.get((share * last as f64).round() as usize).copied()
 }
 
 /// The table as Markdown.

@@ -1,15 +1,12 @@
 //! scipy's LSODA and Radau: `python/rig_scipy.py` in the environment that `setup.sh` makes.
 
-use std::io::Write as _;
-use std::process::{Command, Stdio};
-
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use serde_json::json;
 
 use crate::effort::Effort;
-use crate::files;
-use crate::measurement::Run;
-use crate::systems::{END_TIME, OUTPUT_STEP, System};
+use crate::interpreter;
+use crate::measurement::{Apart, Run};
+use crate::systems::System;
 
 /// Tightest tolerance per method: Radau, of order five, takes minutes below its own.
 const METHODS: [(&str, &str, f64); 3] = [
@@ -23,13 +20,6 @@ const METHODS: [(&str, &str, f64); 3] = [
 /// # Errors
 /// When the environment is missing or the program fails.
 pub fn sweep(system: &System, effort: Effort) -> Result<Vec<Run>> {
-    let interpreter = files::build_folder()?.join("python/bin/python");
-    if !interpreter.exists() {
-        bail!(
-            "{} is missing: make it with peers/setup.sh, or leave scipy out with --solvers",
-            interpreter.display()
-        );
-    }
     let jobs: Vec<_> = METHODS
         .iter()
         .flat_map(|&(method, weights, tightest)| {
@@ -41,41 +31,10 @@ pub fn sweep(system: &System, effort: Effort) -> Result<Vec<Run>> {
             decades.map(move |tolerance| json!([method, weights, tolerance]))
         })
         .collect();
-    let parameters: serde_json::Map<_, _> = system
-        .parameters()
-        .into_iter()
-        .map(|(name, value)| (name.to_owned(), json!(value)))
-        .collect();
-    let request = json!({
-        "parameters": parameters,
-        "end": END_TIME,
-        "output_step": OUTPUT_STEP,
-        "repeat": if effort == Effort::Quick { 1 } else { 2 },
-        "runs": jobs,
-    });
-    let mut child = Command::new(&interpreter)
-        .arg(files::crate_folder().join("python/rig_scipy.py"))
-        .env("NUMBA_CACHE_DIR", files::build_folder()?.join("numba"))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .with_context(|| format!("starting {}", interpreter.display()))?;
-    child
-        .stdin
-        .take()
-        .context("the Python process has no standard input")?
-        .write_all(request.to_string().as_bytes())?;
-    let output = child.wait_with_output()?;
-    if !output.status.success() {
-        bail!(
-            "rig_scipy.py failed on system {} ({})",
-            system.key,
-            output.status
-        );
-    }
-    String::from_utf8(output.stdout)?
-        .lines()
-        .filter(|line| !line.starts_with('#'))
+    let mut request = interpreter::request(system, if effort == Effort::Quick { 1 } else { 2 });
+    request["runs"] = jobs.into();
+    interpreter::ask("python", "rig_scipy.py", system.key, &request)?
+        .iter()
         .map(|line| parse(system, line))
         .collect()
 }
@@ -95,5 +54,6 @@ fn parse(system: &System, line: &str) -> Result<Run> {
         error: f64::NAN,
         switches: switches.parse()?,
         steps: 0,
+        apart: Apart::default(),
     })
 }
