@@ -22,7 +22,8 @@ function axis(label) {
 /** A plot that keeps its place and width, and is drawn anew where its shape changes. */
 export class Plot {
   /**
-   * `x` labels the coordinate, `y` the values; each of `series` has `label`, `colour`, and `points` for a cloud. `chosen` hears
+   * `x` labels the coordinate, `y` the values; each of `series` has `label`, `colour`, `points` for a cloud, and `right` for an
+   * axis of its own. `chosen` hears
    * the range that is drawn with the mouse, or null; without it drawing zooms.
    */
   constructor(place, { x, y, series, chosen, height = HEIGHT, name }) {
@@ -82,6 +83,7 @@ export class Plot {
     const { x, y, series, chosen, height } = this.options;
     const curves = series.map((one) => ({
       label: one.label,
+      scale: one.right ? "right" : "y",
       stroke: colour(one.colour),
       width: one.points ? 0 : 1.4,
       value: (_, value) => (value === null || value === undefined ? "–" : value.toPrecision(5)),
@@ -114,7 +116,13 @@ export class Plot {
       width: this.place.clientWidth,
       height,
       scales: { x: { time: false } },
-      axes: [{ ...axis(x), size: 34 }, { ...axis(y), size: 62 }],
+      axes: [
+        { ...axis(x), size: 34 },
+        { ...axis(y), size: 62 },
+        ...series.filter((one) => one.right).slice(0, 1).map((one) => (
+          { ...axis(one.label), size: 62, side: 1, scale: "right", grid: { show: false } })),
+      ],
+      legend: { markers: { width: 2 } },
       series: [{ label: x, value: (_, value) => (value === null || value === undefined ? "–" : value.toPrecision(5)) }, ...curves],
       cursor: { drag: { x: true, y: false, setScale: chosen === undefined } },
       hooks: { drawClear: [shade], ...(chosen === undefined ? {} : { setSelect: [pick] }) },

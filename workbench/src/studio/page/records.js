@@ -11,7 +11,7 @@ const VELOCITIES = [
   ["theta1_dot", "disc D1 θ̇₁", "simulated"],
 ];
 const ANGLES = [["theta", "disc θ₂", "measured"], ["theta3", "gearbox output θ₃", "second"]];
-const INPUTS = [["N2", "N2 [N]", "simulated"], ["u", "u [V]", "second"], ["N1", "N1 [N]", "measured"]];
+const INPUTS = [["N2", "N2 [N]", "simulated"], ["N1", "N1 [N]", "measured"], ["u", "u [V]", "second"]];
 
 let plot;
 let inputs;
@@ -37,7 +37,7 @@ export function begin(app) {
     x: "time [s]", y: "velocity [rad/s]", series: [], chosen, name: "Measured velocities over time",
   });
   inputs = new Plot(at("input-plot"), {
-    x: "time [s]", y: "inputs", series: [], chosen, height: 170, name: "Inputs over time",
+    x: "time [s]", y: "force [N]", series: [], chosen, height: 170, name: "Inputs over time",
   });
   at("stretch").addEventListener("submit", (event) => {
     event.preventDefault();
@@ -228,7 +228,7 @@ async function draw(app) {
     });
     plot.show([columns.time, ...upper.map(([name]) => holes(columns[name]))], phases(columns.time, columns.stuck));
     const lower = there(INPUTS);
-    inputs.shape({ series: lower.map(([, label, colour]) => ({ label, colour })) });
+    inputs.shape({ series: lower.map(([name, label, colour]) => ({ label, colour, right: name === "u" })) });
     inputs.show([columns.time, ...lower.map(([name]) => holes(columns[name]))]);
   });
 }

@@ -64,12 +64,17 @@ function show(app, progress) {
   at("pause").hidden = phase !== "running";
   at("continue").hidden = phase !== "held";
   at("stop").hidden = !runs(progress);
-  at("progress").textContent = told(progress);
+  const [short, long] = told(progress);
+  // Only what changes with the phase is read aloud.
+  if (at("phase").textContent !== short) {
+    at("phase").textContent = short;
+  }
+  at("progress").textContent = long;
   at("progress").className = phase === "failed" ? "problem" : "";
   at("progress").dataset.phase = phase;
   for (const row of at("candidates").tBodies[0].rows) {
     const tries = tried(progress, row.dataset.effect);
-    row.querySelector(".tried").textContent = tries === 0 ? "" : `${tries} times`;
+    row.querySelector(".tried").textContent = tries === 0 ? "" : tries === 1 ? "once" : `${tries} times`;
     row.classList.toggle("chosen", runs(progress) && (progress.now ?? "").includes(readable(row.dataset.effect)));
   }
 }
@@ -85,14 +90,14 @@ function told(progress) {
   const time = `${number(progress.seconds, 3)} s`;
   const kept = progress.finished?.length ? ` Finished and kept: ${progress.finished.join(", ")}.` : "";
   switch (progress.phase) {
-    case "running": return `The ${what} runs, ${time}: ${progress.now}.`;
-    case "held": return `The ${what} is held after ${time}, at: ${progress.now}.`;
-    case "stopping": return `The ${what} stops at its next step.`;
-    case "stopped": return `The ${what} was stopped after ${time}.${kept}`;
-    case "done": return `The ${what} is done, ${time}.`;
-    case "failed": return `The ${what} cannot be done: ${progress.text}`;
-    case "cut off": return "The studio ended in the middle of a diagnosis. It goes on behind what is finished.";
-    default: return "No diagnosis was made yet.";
+    case "running": return [`The ${what} runs.`, `${time}: ${progress.now}.`];
+    case "held": return [`The ${what} is held.`, `${time}, at: ${progress.now}.`];
+    case "stopping": return [`The ${what} stops at its next step.`, ""];
+    case "stopped": return [`The ${what} was stopped.`, `${time}.${kept}`];
+    case "done": return [`The ${what} is done.`, `${time}.`];
+    case "failed": return [`The ${what} cannot be done.`, progress.text];
+    case "cut off": return ["The studio ended in the middle of a diagnosis.", "It goes on behind what is finished."];
+    default: return ["No diagnosis was made yet.", ""];
   }
 }
 
@@ -197,7 +202,9 @@ function candidates(app) {
   const is = ticked ?? named(app);
   const ranking = new Map((finding?.ranking ?? []).map((one) => [one.name, one]));
   const isThere = new Set((app.told.models[0]?.effects) ?? []);
-  const rows = effects.map((effect) => {
+  // What acts on disc D1 is nothing for a rig without one.
+  const isFull = app.told.models[0]?.kind === "full";
+  const rows = effects.filter((effect) => isFull || !effect.name.endsWith("1")).map((effect) => {
     const own = ranking.get(effect.name);
     const box = make("input", { type: "checkbox", checked: is.has(effect.name), disabled: isThere.has(effect.name),
       "aria-label": `${readable(effect.name)} in the model` });
