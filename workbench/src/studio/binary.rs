@@ -32,7 +32,7 @@ impl Curves {
         header["rows"] = json!(sent);
         header["every"] = json!(every);
         let mut text = header.to_string();
-        while (4 + text.len()) % NUMBER != 0 {
+        while !(4 + text.len()).is_multiple_of(NUMBER) {
             text.push(' ');
         }
         let mut bytes = Vec::with_capacity(4 + text.len() + NUMBER * sent * self.columns.len());

@@ -51,7 +51,7 @@ impl Session {
         let mut text = format!(
             "\"\"\"What was done in the studio on {}, in lines. Beside this file: {MODEL}, the model that is believed.\"\"\"\n\n\
              import pathlib\n\nimport stickslip\n\nhere = pathlib.Path(__file__).parent\n",
-            material.name.replace('\\', " ").replace('"', " ")
+            material.name.replace(['\\', '"'], " ")
         );
         let learned: Vec<String> = self.parts(Role::Learn).iter().map(python_part).collect();
         // Writing to a string cannot fail.

@@ -85,7 +85,7 @@ export class Plot {
       label: one.label,
       scale: one.right ? "right" : "y",
       stroke: colour(one.colour),
-      width: one.points ? 0 : 1.4,
+      width: one.points ? 0 : 1,
       value: (_, value) => (value === null || value === undefined ? "–" : value.toPrecision(5)),
       ...(one.points
         ? { paths: () => null, points: { show: true, size: one.size ?? 2.5, space: 0, width: 0, fill: colour(one.colour) } }

@@ -27,6 +27,7 @@ let plot;
 let rest;
 let working = false;
 let wanted = null;
+let arrived = null;
 let settling;
 /** Times at which curves were drawn [ms]. */
 const frames = [];
@@ -228,7 +229,7 @@ export async function follow(app, isSettled) {
   if (!isSettled && ofRecord(app) && app.view.drive === "windows") {
     settling = setTimeout(() => follow(app, true), SETTLE);
   }
-  wanted = order(app, isSettled);
+  wanted = { asked: order(app, isSettled), since: performance.now() };
   if (working || model(app).problem || model(app).parameters.length === 0) {
     return;
   }
@@ -239,6 +240,7 @@ export async function follow(app, isSettled) {
     try {
       await once(app, now);
     } catch (problem) {
+      arrived = null;
       at("fit").textContent = problem.message;
       if (problem.status === 0) {
         app.fail(problem);
@@ -248,23 +250,42 @@ export async function follow(app, isSettled) {
   working = false;
 }
 
-async function once(app, asked) {
-  const isOf = asked.drive.by === "record";
-  if (isOf && app.measured?.key !== measuredKey(app, asked.drive.record)) {
-    app.measured = await curves(`api/records/${encodeURIComponent(asked.drive.record)}`);
-    app.measured.key = measuredKey(app, asked.drive.record);
+/** Asks for a run. The next one may be asked for while this one waits for the screen. */
+async function once(app, { asked, since }) {
+  const { by, record } = asked.drive;
+  let { measured } = app;
+  if (by === "record" && measured?.key !== measuredKey(app, record)) {
+    measured = await curves(`api/records/${encodeURIComponent(record)}`);
+    measured.key = measuredKey(app, record);
+    measured.stuck = phases(measured.columns.time, measured.columns.stuck);
+    measured.seen = {};
   }
-  const begun = performance.now();
-  app.run = await curves("api/simulate", asked);
-  app.run.isOf = isOf;
+  const run = await curves("api/simulate", asked);
+  run.isOf = by === "record";
+  if (arrived === null) {
+    requestAnimationFrame(() => paint(app));
+  }
+  arrived = { run, measured, asked, since: arrived?.since ?? since };
+}
+
+/** Draws what arrived last, with the screen's next frame. */
+function paint(app) {
+  if (arrived === null) {
+    return;
+  }
+  const { run, measured, asked, since } = arrived;
+  arrived = null;
+  Object.assign(app, { run, measured });
   draw(app);
-  await new Promise(requestAnimationFrame);
-  const end = performance.now();
-  trips.push(end - begun);
-  frames.push(end);
-  measure(app.run.milliseconds);
   fit(app, asked);
   app.dispatch?.();
+  // uPlot draws in a microtask of its own, which comes before this one.
+  queueMicrotask(() => {
+    const end = performance.now();
+    trips.push(end - since);
+    frames.push(end);
+    measure(run.milliseconds);
+  });
 }
 
 function measuredKey(app, record) {
@@ -324,7 +345,9 @@ export function draw(app) {
   const data = [run.columns.time];
   if (seen) {
     series.push({ label: "measured", colour: "measured" });
-    data.push(holes(seen));
+    const key = app.view.quantity ?? "theta_dot";
+    measured.seen[key] ??= holes(seen);
+    data.push(measured.seen[key]);
   }
   if (simulated) {
     series.push({ label: "simulated", colour: "simulated" });
@@ -332,8 +355,7 @@ export function draw(app) {
   }
   at("rig-caption").textContent = `${label}${run.isOf ? `, ${app.view.record}` : ""}`;
   plot.shape({ y: label.match(/\[.*?\]/)?.[0] ?? "", series });
-  const stuck = run.isOf ? measured.columns : run.columns;
-  plot.show(data, stuck.stuck ? phases(stuck.time, stuck.stuck) : null);
+  plot.show(data, run.isOf ? measured.stuck : phases(run.columns.time, run.columns.stuck));
   at("rest-plot").hidden = !(seen && simulated);
   if (seen && simulated) {
     rest.shape({ y: "residual", series: [{ label: "measured less simulated", colour: "second" }] });
