@@ -23,6 +23,8 @@ pub struct Choices {
     pub believed: Believed,
     /// What the last diagnosis was asked, and whether it was still running: so a studio that ended in the middle can tell.
     pub asked: Option<Asked>,
+    /// What the fits by hand depended on, by their names.
+    pub fitted: BTreeMap<String, Value>,
     /// What the page shows; the page's own business.
     pub view: Value,
 }

@@ -249,15 +249,21 @@ impl Session {
             None if self.is_half_done() => Work::GoOn,
             None => Work::All,
         };
-        if job.effects.is_none() {
-            let inputs = self.inputs();
-            self.change(false, |choices| {
+        let inputs = self.inputs();
+        self.change(false, |choices| match &work {
+            Work::ByHand(folder) => {
+                let name = folder.file_name().unwrap_or_default();
+                choices
+                    .fitted
+                    .insert(name.to_string_lossy().into_owned(), inputs);
+            }
+            Work::All | Work::GoOn => {
                 choices.asked = Some(Asked {
                     inputs,
                     is_done: false,
                 });
-            })?;
-        }
+            }
+        })?;
         *current = Some(Arc::clone(&job));
         drop(current);
         let session = Arc::clone(self);

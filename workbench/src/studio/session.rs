@@ -211,6 +211,7 @@ impl Session {
     pub fn told(&self) -> Value {
         let choices = self.choices();
         let hands = self.folder.hands();
+        let inputs = self.inputs();
         let mut names = vec![(BELIEVED.to_owned(), "as believed".to_owned())];
         if self.folder.result(None, amend::FILE).is_ok() {
             names.push((AMENDED.to_owned(), "as amended by the diagnosis".to_owned()));
@@ -236,13 +237,17 @@ impl Session {
             .iter()
             .map(|hand| {
                 let path = self.folder.result(Some(hand), finding::FILE);
-                json!({"name": hand, "finding": path.ok().and_then(|path| json_of(&path))})
+                json!({
+                    "name": hand,
+                    "finding": path.ok().and_then(|path| json_of(&path)),
+                    "is_of_now": choices.fitted.get(hand) == Some(&inputs),
+                })
             })
             .collect();
         let found = self.folder.result(None, finding::FILE);
         let found = found.ok().and_then(|path| json_of(&path));
         let asked = choices.asked.as_ref();
-        let is_of_now = asked.is_some_and(|asked| asked.inputs == self.inputs());
+        let is_of_now = asked.is_some_and(|asked| asked.inputs == inputs);
         let effects: Vec<Value> = CATALOGUE
             .iter()
             .map(|entry| {

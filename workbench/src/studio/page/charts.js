@@ -122,7 +122,7 @@ export class Plot {
         ...series.filter((one) => one.right).slice(0, 1).map((one) => (
           { ...axis(one.label), size: 62, side: 1, scale: "right", grid: { show: false } })),
       ],
-      legend: { markers: { width: 2 } },
+      legend: { markers: { width: 2, stroke: (_, at) => (at === 0 ? null : colour(series[at - 1].colour)) } },
       series: [{ label: x, value: (_, value) => (value === null || value === undefined ? "–" : value.toPrecision(5)) }, ...curves],
       cursor: { drag: { x: true, y: false, setScale: chosen === undefined } },
       hooks: { drawClear: [shade], ...(chosen === undefined ? {} : { setSelect: [pick] }) },

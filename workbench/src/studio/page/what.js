@@ -17,6 +17,7 @@ let watching = null;
 let ticked = null;
 
 export function begin(app) {
+  at("start").addEventListener("click", () => { ticked = null; });
   for (const [id, wish] of [["start", "start"], ["pause", "pause"], ["continue", "continue"], ["stop", "stop"]]) {
     at(id).addEventListener("click", () => want(app, { do: wish }));
   }
@@ -239,7 +240,7 @@ function candidates(app) {
 function hands(app) {
   const all = app.told.by_hand.filter((one) => one.finding);
   at("hands").hidden = all.length === 0;
-  at("hands").tBodies[0].replaceChildren(...all.map(({ name, finding }) => {
+  at("hands").tBodies[0].replaceChildren(...all.map(({ name, finding, is_of_now: isOfNow }) => {
     const error = errors(finding);
     const words = name.split("+").map(readable).join(" + ");
     const curves = make("button", { textContent: "Curves", "aria-label": `Curves of ${words}` });
@@ -256,7 +257,7 @@ function hands(app) {
       make("td", { className: "number", textContent: number(error?.after, 4) }),
       make("td", { className: "number", textContent: number(error?.before, 4) }),
       make("td", { className: "number", textContent: error?.closed != null ? `${number(100 * error.closed, 4)} %` : "–" }),
-      make("td", {}, curves, " ", link));
+      make("td", {}, curves, " ", link, isOfNow ? "" : make("span", { className: "warning", textContent: " of earlier choices" })));
   }));
 }
 
