@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::choices::{Believed, Role, Use};
 use super::error::StudioError;
 use super::seen::{Seen, channels, see};
-use super::session::Session;
+use super::session::{Reading, Session};
 use crate::diagnose::record_part::Part;
 use crate::diagnose::rig_columns::RigColumns;
 
@@ -151,11 +151,16 @@ impl Session {
         })
     }
 
-    /// A record, read; a second time from memory, as long as file, model and columns are the same.
+    /// A record, read.
     ///
     /// # Errors
     /// It cannot be used; the message says what would be right.
     pub fn seen(&self, name: &str) -> Result<Arc<Seen>, StudioError> {
+        self.reading(name)?.seen.map_err(StudioError::Input)
+    }
+
+    /// What is read of a record; a second time from memory, as long as file, model and columns are the same.
+    fn reading(&self, name: &str) -> Result<Reading, StudioError> {
         let record = self.record(name)?;
         let material = self.material()?;
         let stamp = std::fs::metadata(&record.path).ok().map(|file| {
@@ -170,9 +175,12 @@ impl Session {
             record.path.display(),
             material.model_text
         );
-        if let Some(seen) = self.remembered(&key) {
-            return seen.map_err(StudioError::Input);
+        if let Some(reading) = self.remembered(&key) {
+            return Ok(reading);
         }
+        let columns = RigColumns::split_off(&material.model_text, &material.model_name);
+        let columns = columns.map(|(columns, _)| columns).unwrap_or_default();
+        let headings = columns.headings(&record.path).unwrap_or_default();
         let seen = if material.is_of_small_plant() {
             Err("this model is a small plant's: its records are read by the diagnosis, and its report has the curves".to_owned())
         } else {
@@ -180,8 +188,12 @@ impl Session {
             seen.map(Arc::new)
                 .map_err(|error| StudioError::from(error).to_string())
         };
-        self.remember(key, seen.clone());
-        seen.map_err(StudioError::Input)
+        let reading = Reading {
+            headings: Arc::new(headings),
+            seen,
+        };
+        self.remember(key, reading.clone());
+        Ok(reading)
     }
 
     /// The curves of a record.
@@ -205,10 +217,6 @@ impl Session {
     pub fn records_told(&self) -> Vec<Value> {
         let uses = self.uses();
         let dropped = self.choices().dropped;
-        let columns = self.material().ok().and_then(|material| {
-            RigColumns::split_off(&material.model_text, &material.model_name).ok()
-        });
-        let columns = columns.map(|(columns, _)| columns).unwrap_or_default();
         let all = self.records();
         let told = all.iter().map(|record| {
             let own: Vec<&Use> = uses
@@ -219,9 +227,13 @@ impl Session {
                 "name": record.name,
                 "dropped": dropped.contains(&record.name),
                 "uses": own,
-                "headings": columns.headings(&record.path).unwrap_or_default(),
+                "headings": [],
             });
-            match self.seen(&record.name) {
+            let reading = self.reading(&record.name);
+            if let Ok(reading) = &reading {
+                told["headings"] = json!(*reading.headings);
+            }
+            match reading.and_then(|reading| reading.seen.map_err(StudioError::Input)) {
                 Ok(seen) => {
                     let time = seen.record.time();
                     told["begin"] = json!(time.first());

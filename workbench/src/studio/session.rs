@@ -18,14 +18,20 @@ use crate::diagnose::case::prepare_threads;
 use crate::diagnose::catalogue::CATALOGUE;
 use crate::diagnose::finding;
 use crate::diagnose::material::Material;
-use crate::diagnose::rig_columns::{RigColumns, unit_names, variables};
+use crate::diagnose::rig_columns::{Heading, RigColumns, unit_names, variables};
 use crate::files::atomic;
 
 /// Most readings of records that are remembered.
 const MOST_REMEMBERED: usize = 24;
 
-/// What was read of a record, or why it cannot be.
-type Reading = Result<Arc<Seen>, String>;
+/// What was read of a record.
+#[derive(Debug, Clone)]
+pub struct Reading {
+    /// The fields of its header, with what they are taken as.
+    pub headings: Arc<Vec<Heading>>,
+    /// The record, or why it cannot be used.
+    pub seen: Result<Arc<Seen>, String>,
+}
 
 /// A studio.
 #[derive(Debug)]
