@@ -62,7 +62,7 @@ pub enum FolderError {
         place: String,
     },
     /// The operating system refuses.
-    #[error("{path}: cannot be a folder of the studio: {source}")]
+    #[error("{path}: cannot be a folder of the studio: {source}; --out names another one")]
     Io {
         /// The folder or file.
         path: PathBuf,
