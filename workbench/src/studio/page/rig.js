@@ -332,7 +332,7 @@ function fit(app, asked) {
   }
   if (asked.drive.windows) {
     line.textContent = `Window error: ${number(run.window_error, 3)} standard deviations of the instruments`
-      + `${asked.drive.best ? "" : ", from the measured starts"}; 1 is what noise alone leaves.`;
+      + `${asked.drive.best ? "" : ", from the measured starts"}; noise alone leaves about 1.`;
     line.dataset.error = run.window_error;
     return;
   }

@@ -124,6 +124,7 @@ export const app = {
   go(tab) {
     app.look({ tab });
     select(tab, false);
+    scrollTo(0, 0);
   },
 };
 
