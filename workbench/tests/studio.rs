@@ -5,6 +5,9 @@
 )]
 
 mod common;
+#[allow(dead_code, reason = "one of its plants is enough here")]
+#[path = "small_plants/records.rs"]
+mod records;
 
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -655,4 +658,43 @@ fn a_diagnosis_is_held_stopped_resumed_and_done() {
         &json!({"do": "by_hand", "effects": ["../x"]}),
     );
     assert_eq!(wrong.status, 422);
+}
+
+#[test]
+fn a_small_plant_is_diagnosed_too() {
+    let place = tempfile::tempdir().unwrap();
+    let case = place.path().join("drive");
+    fs::create_dir_all(&case).unwrap();
+    fs::write(case.join("model.toml"), records::DRIVE).unwrap();
+    for (name, seed) in [("run-a.csv", 1), ("run-b.csv", 2), ("held-out.csv", 3)] {
+        fs::write(case.join(name), records::drive(15.0, seed)).unwrap();
+    }
+    let studio = Studio::start(&[case.to_str().unwrap()]);
+    let state = studio.get("api/state").json();
+    assert_eq!(state["models"][0]["kind"], "small plant");
+    let known = state["effects"].as_array().unwrap();
+    assert!(
+        known.iter().any(|effect| effect["name"] == "coulomb_friction"),
+        "{known:?}"
+    );
+    assert_eq!(
+        studio.post("api/diagnosis", &json!({"do": "start"})).status,
+        200
+    );
+    let done = studio.wait(&["done", "failed"]);
+    assert_eq!(done["phase"], "done", "{done}");
+    let state = studio.get("api/state").json();
+    assert_eq!(state["finding"]["verdict"], "named", "{state}");
+    assert!(
+        state["finding"]["small_plant"]["steps"]
+            .as_array()
+            .unwrap()
+            .len()
+            > 1
+    );
+    assert!(studio.get("report/").text().contains("coulomb friction"));
+    let first = &state["finding"]["effects"][0]["name"];
+    let wish = json!({"do": "by_hand", "effects": [first]});
+    assert_eq!(studio.post("api/diagnosis", &wish).status, 200);
+    assert_eq!(studio.wait(&["done", "failed"])["phase"], "done");
 }

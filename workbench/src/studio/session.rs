@@ -19,6 +19,9 @@ use crate::diagnose::catalogue::CATALOGUE;
 use crate::diagnose::finding;
 use crate::diagnose::material::Material;
 use crate::diagnose::rig_columns::{Heading, RigColumns, unit_names, variables};
+use crate::diagnose::small_plant::model_file::{SmallModel, is_small_plant};
+use crate::diagnose::small_plant::naming::candidates;
+use crate::diagnose::small_plant::term::Entry;
 use crate::files::atomic;
 
 /// Most readings of records that are remembered.
@@ -213,6 +216,22 @@ impl Session {
         })
     }
 
+    /// The effects that can be named, for the page.
+    fn effects(&self) -> Vec<Value> {
+        let (name, text) = self.believed().unwrap_or_default();
+        if is_small_plant(&text) {
+            // What is wrong with the model is told beside the model.
+            let model = SmallModel::parse(&text, &name).ok();
+            let all = model.map(|own| candidates(&own.model, own.columns.load.is_some(), &[]));
+            let tell = |entry: &&Entry| told_of(entry.name, entry.description, entry.signature);
+            return all.iter().flatten().map(tell).collect();
+        }
+        let known = CATALOGUE.iter();
+        known
+            .map(|entry| told_of(entry.name, entry.description, entry.signature))
+            .collect()
+    }
+
     /// All that the page shows, but for curves.
     pub fn told(&self) -> Value {
         let choices = self.choices();
@@ -254,17 +273,6 @@ impl Session {
         let found = found.ok().and_then(|path| json_of(&path));
         let asked = choices.asked.as_ref();
         let is_of_now = asked.is_some_and(|asked| asked.inputs == inputs);
-        let effects: Vec<Value> = CATALOGUE
-            .iter()
-            .map(|entry| {
-                json!({
-                    "name": entry.name,
-                    "description": entry.description,
-                    "signature": entry.signature,
-                    "confusable": entry.confusable,
-                })
-            })
-            .collect();
         let variables: Vec<Value> = variables()
             .map(|name| json!({"name": name, "units": unit_names(name).collect::<Vec<_>>()}))
             .collect();
@@ -275,7 +283,7 @@ impl Session {
             "records": self.records_told(),
             "variables": variables,
             "models": models,
-            "effects": effects,
+            "effects": self.effects(),
             "choices": choices,
             "finding": found,
             "is_of_now": is_of_now,
@@ -285,6 +293,10 @@ impl Session {
             "most_upload": super::MOST_UPLOAD,
         })
     }
+}
+
+fn told_of(name: &str, description: &str, signature: &str) -> Value {
+    json!({"name": name, "description": description, "signature": signature})
 }
 
 fn named_text(path: PathBuf) -> Result<(String, String), StudioError> {

@@ -171,6 +171,8 @@ function tell(app, record, about) {
 }
 
 function columnsForm(app) {
+  // A small plant's model file names its columns.
+  at("columns").hidden = app.told.models[0]?.kind === "small plant";
   const headings = new Map();
   for (const record of app.told.records) {
     for (const [field, variable] of record.headings) {

@@ -204,7 +204,7 @@ function candidates(app) {
   const ranking = new Map((finding?.ranking ?? []).map((one) => [one.name, one]));
   const isThere = new Set((app.told.models[0]?.effects) ?? []);
   // What acts on disc D1 is nothing for a rig without one.
-  const isFull = app.told.models[0]?.kind === "full";
+  const isFull = app.told.models[0]?.kind !== "reduced";
   const rows = effects.filter((effect) => isFull || !effect.name.endsWith("1")).map((effect) => {
     const own = ranking.get(effect.name);
     const box = make("input", { type: "checkbox", checked: is.has(effect.name), disabled: isThere.has(effect.name),
