@@ -674,7 +674,9 @@ fn a_small_plant_is_diagnosed_too() {
     assert_eq!(state["models"][0]["kind"], "small plant");
     let known = state["effects"].as_array().unwrap();
     assert!(
-        known.iter().any(|effect| effect["name"] == "coulomb_friction"),
+        known
+            .iter()
+            .any(|effect| effect["name"] == "coulomb_friction"),
         "{known:?}"
     );
     assert_eq!(
