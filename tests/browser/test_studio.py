@@ -414,3 +414,20 @@ def test_a_studio_that_ends_and_a_folder_that_disappears_are_told(studio):
     page = one.page()
     assert page.get_by_role("tab", name="What").get_attribute("aria-selected") == "true"
     one.heard[:] = [line for line in one.heard if "410" not in line and "REFUSED" not in line]
+
+
+def test_ctrl_c_in_the_middle_of_a_diagnosis(studio):
+    one = studio()
+    page = one.page()
+    go(page, "What")
+    page.get_by_role("button", name="Start the diagnosis").click()
+    page.get_by_role("button", name="Hold it").click()
+    wait_for(page, "#phase", "held")
+    assert one.end() == 130
+    one.heard.clear()
+    one.start()
+    page = one.page()
+    wait_for(page, "#phase", "ended in the middle of a diagnosis")
+    page.get_by_role("button", name="Go on with the diagnosis").click()
+    page.wait_for_selector("#progress[data-phase=done]", timeout=PATIENCE)
+    wait_for(page, "#finding", "Missing: unbalance")
