@@ -23,6 +23,7 @@ use crate::identify::{self, command::IdentifyArguments};
 use crate::info::{self, InfoArguments};
 use crate::map::{self, MapArguments};
 use crate::simulate::{self, SimulateArguments};
+use crate::studio::{self, StudioArguments};
 
 /// What a command came to; the process' exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,6 +116,12 @@ Then: stickslip show my-case --out result")]
     /// Last stage of `diagnose`: before and after on the held-out record, and the report.
     #[command(after_help = "Example: stickslip show my-case --out result")]
     Show(DiagnoseArguments),
+    /// The diagnosis as a local page: records, sliders, residuals, the finding, and what to take along.
+    #[command(after_help = "Example: stickslip studio my-case
+         stickslip studio --out my-folder
+
+The page is served to this machine alone, works offline, and goes on where it was after a reload or a new start. Ctrl-C ends it.")]
+    Studio(StudioArguments),
     /// The effects that can be named, and what each one is.
     #[command(
         after_help = "Examples: stickslip effects unbalance\n          stickslip effects --out docs/effects"
@@ -204,6 +211,7 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Name(arguments) => diagnose::name(arguments),
         Command::Amend(arguments) => diagnose::amend_command(arguments),
         Command::Show(arguments) => diagnose::show(arguments),
+        Command::Studio(arguments) => studio::command(arguments),
         Command::Effects(arguments) => effect_page::command(arguments),
         Command::Ports(arguments) => template::command(arguments),
         Command::FmuWorker { directory } => {

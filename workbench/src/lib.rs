@@ -1,8 +1,7 @@
 //! The workbench behind the command `stickslip`: simulating, mapping and examining the rig.
 //!
-//! One module per command: [`simulate`], [`map`], [`ensemble`], [`closed_loop`],
-//! [`info`], [`diagnose`], [`build`], [`cross_check`], [`experiment`], [`identify`],
-//! [`calibrate`]; [`cli`] dispatches. They stand on
+//! One module per command: [`simulate`], [`map`], [`ensemble`], [`closed_loop`], [`info`], [`diagnose`], [`studio`], [`build`],
+//! [`cross_check`], [`experiment`], [`identify`], [`calibrate`]; [`cli`] dispatches. They stand on
 //!
 //! - [`component`]: the native model and FMUs of both versions behind one trait;
 //! - [`files`]: CSV records and writing whole or not at all;
@@ -25,5 +24,6 @@ pub mod map;
 pub mod oscillator;
 pub mod plot;
 pub mod simulate;
+pub mod studio;
 
 pub use build_fmu::component;

@@ -402,10 +402,10 @@ pub fn check_effect(name: &str, catalogue: &Catalogue) -> Result<(), CaseError> 
 }
 
 /// Stack of the engine's threads [bytes]: a model with thirty derivatives of every number needs more than the usual 2 MiB.
-const STACK: usize = 64 << 20;
+pub(crate) const STACK: usize = 64 << 20;
 
 /// Gives the engine's threads their stack. Every work of the engine begins with reading a case.
-pub(super) fn prepare_threads() {
+pub(crate) fn prepare_threads() {
     // A second call finds the threads made already, as it should.
     let _ = rayon::ThreadPoolBuilder::new()
         .stack_size(STACK)
@@ -425,7 +425,8 @@ fn last_quarter(record: &Record) -> (Record, Record, String) {
     (learned, held_out, note)
 }
 
-fn stretches(checked: &Checked) -> Vec<RawRecord> {
+/// A record's stretches without holes.
+pub(crate) fn stretches(checked: &Checked) -> Vec<RawRecord> {
     checked
         .stretches
         .iter()

@@ -70,6 +70,38 @@ impl Session {
         })
     }
 
+    /// Reads the case, for a program.
+    fn told(
+        material: &Material,
+        out: &Path,
+        tell: Box<dyn Fn(&str)>,
+        finished: Finished,
+    ) -> anyhow::Result<Self> {
+        check_out(out)?;
+        Ok(Self {
+            case: material.load()?,
+            progress: Progress::told(tell),
+            interruptible: Interruptible::by_caller(finished),
+            out: out.to_owned(),
+        })
+    }
+
+    /// Amends and shows what was found.
+    fn finish(&self, mut finding: Finding, library: &Library) -> anyhow::Result<Diagnosed> {
+        let text = self.amend(&finding, library)?;
+        let comparison = self.show(&mut finding, &text, library)?;
+        Ok(self.diagnosed(&finding, comparison))
+    }
+
+    /// What a diagnosis came to.
+    fn diagnosed(&self, finding: &Finding, comparison: Comparison) -> Diagnosed {
+        Diagnosed {
+            outcome: open_or_done(finding.is_settled()),
+            screen: screen(&self.case.name, finding),
+            shown: Some(comparison),
+        }
+    }
+
     /// Names, amends and shows.
     fn all_stages(&self, library: &Library) -> anyhow::Result<(Finding, Comparison)> {
         let mut finding = self.name()?;
@@ -213,26 +245,96 @@ pub fn diagnose_for(
 ) -> anyhow::Result<Diagnosed> {
     check_out(out)?;
     if material.is_of_small_plant() {
-        let (outcome, screen) =
-            small_plant::run(material, Stage::All, out, library, &mut |what| tell(what))?;
-        return Ok(Diagnosed {
-            outcome,
-            screen,
-            shown: None,
-        });
+        return small_for(material, &[Stage::All], out, library, &tell);
     }
     let library = library::find(library)?;
-    let session = Session {
-        case: material.load()?,
-        progress: Progress::told(tell),
-        interruptible: Interruptible::by_caller(finished),
-        out: out.to_owned(),
-    };
+    let session = Session::told(material, out, tell, finished)?;
     let (finding, comparison) = session.all_stages(&library)?;
+    Ok(session.diagnosed(&finding, comparison))
+}
+
+/// The stages that follow a finding there is, `amend` and `show`, for a program; otherwise as [`diagnose_for`].
+///
+/// # Errors
+/// As for [`diagnose_for`]; also where there is no finding.
+pub fn go_on_for(
+    material: &Material,
+    out: &Path,
+    library: Option<&Path>,
+    tell: Box<dyn Fn(&str)>,
+    finished: Finished,
+) -> anyhow::Result<Diagnosed> {
+    if material.is_of_small_plant() {
+        return small_for(
+            material,
+            &[Stage::Amend(&[]), Stage::Show],
+            out,
+            library,
+            &tell,
+        );
+    }
+    let library = library::find(library)?;
+    let session = Session::told(material, out, tell, finished)?;
+    let finding = Finding::read(out)?;
+    session.finish(finding, &library)
+}
+
+/// What the model is with `effects` and no others, fitted whether they gain or not, for a program; otherwise as
+/// [`diagnose_for`]. Ranking and places come from the finding in `earlier`, where there is one.
+///
+/// # Errors
+/// As for [`diagnose_for`]; also where the catalogue has no such effect, or it cannot be added to the model.
+pub fn amend_for(
+    material: &Material,
+    effects: &[String],
+    earlier: &Path,
+    out: &Path,
+    library: Option<&Path>,
+    tell: Box<dyn Fn(&str)>,
+    finished: Finished,
+) -> anyhow::Result<Diagnosed> {
+    if material.is_of_small_plant() {
+        return small_for(
+            material,
+            &[Stage::Amend(effects), Stage::Show],
+            out,
+            library,
+            &tell,
+        );
+    }
+    let library = library::find(library)?;
+    let session = Session::told(material, out, tell, finished)?;
+    for name in effects {
+        check_effect(name, &session.case.catalogue)?;
+    }
+    let mut finding = forced_finding(
+        &session.case,
+        effects,
+        Finding::read(earlier).ok(),
+        &mut |what| session.progress.say(what),
+    )?;
+    session.found(&mut finding, None)?;
+    session.finish(finding, &library)
+}
+
+/// Stages on a small plant for a program, one after the other.
+fn small_for(
+    material: &Material,
+    stages: &[Stage<'_>],
+    out: &Path,
+    library: Option<&Path>,
+    tell: &dyn Fn(&str),
+) -> anyhow::Result<Diagnosed> {
+    check_out(out)?;
+    let mut last = (Outcome::Done, String::new());
+    for stage in stages {
+        last = small_plant::run(material, *stage, out, library, &mut |what| tell(what))?;
+    }
+    let (outcome, screen) = last;
     Ok(Diagnosed {
-        outcome: open_or_done(finding.is_settled()),
-        screen: screen(&session.case.name, &finding),
-        shown: Some(comparison),
+        outcome,
+        screen,
+        shown: None,
     })
 }
 

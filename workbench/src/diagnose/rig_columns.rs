@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fs;
+use std::path::Path;
 
 use serde::Deserialize;
 use thiserror::Error;
@@ -155,6 +156,16 @@ fn units(variable: &str) -> &'static [(&'static str, f64)] {
     }
 }
 
+/// Names of the units that a variable of a record may have, SI first.
+pub fn unit_names(variable: &str) -> impl Iterator<Item = &'static str> {
+    units(variable).iter().map(|(name, _)| *name)
+}
+
+/// Names of all variables that a record may have, time first.
+pub fn variables() -> impl Iterator<Item = &'static str> {
+    std::iter::once(TIME).chain(COLUMNS)
+}
+
 fn factor(file: &str, variable: &str, unit: &str) -> Result<f64, ColumnsError> {
     let known = units(variable);
     known
@@ -174,10 +185,6 @@ fn factor(file: &str, variable: &str, unit: &str) -> Result<f64, ColumnsError> {
         })
 }
 
-fn variables() -> impl Iterator<Item = &'static str> {
-    std::iter::once(TIME).chain(COLUMNS)
-}
-
 /// A header's name and the unit in brackets behind it.
 fn name_and_unit(field: &str) -> (&str, Option<&str>) {
     for (open, close) in [('[', ']'), ('(', ')')] {
@@ -188,6 +195,34 @@ fn name_and_unit(field: &str) -> (&str, Option<&str>) {
         }
     }
     (field, None)
+}
+
+/// A field of a header, with the variable that it is taken as.
+pub type Heading = (String, Option<&'static str>);
+
+/// The text of the file `path`, which messages call `file`; whether it is UTF-16.
+fn text_of(path: &Path, file: &str) -> Result<(String, bool), ColumnsError> {
+    let bytes = fs::read(path).map_err(|source| ColumnsError::Read {
+        path: path.display().to_string(),
+        source,
+    })?;
+    let (mut text, is_wide) = decode(&bytes).map_err(|problem| ColumnsError::NoText {
+        file: file.to_owned(),
+        problem,
+    })?;
+    if text.starts_with('\u{feff}') {
+        text.remove(0);
+    }
+    Ok((text, is_wide))
+}
+
+/// The fields of a table's header.
+fn header(text: &str) -> Vec<&str> {
+    let line = text.lines().find(|line| !line.trim().is_empty());
+    line.unwrap_or("")
+        .split(',')
+        .map(|field| field.trim().trim_matches('"').trim())
+        .collect()
 }
 
 /// One column of a file, found.
@@ -280,16 +315,8 @@ impl RigColumns {
             Some((from, to)) => format!("{path}@{from}:{to}"),
             None => path.clone(),
         };
-        let bytes = fs::read(&part.path).map_err(|source| ColumnsError::Read {
-            path: path.clone(),
-            source,
-        })?;
-        let (text, is_wide) = decode(&bytes).map_err(|problem| ColumnsError::NoText {
-            file: file.clone(),
-            problem,
-        })?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let (text, dialect) = with_commas(text);
+        let (text, is_wide) = text_of(&part.path, &file)?;
+        let (text, dialect) = with_commas(&text);
         let mut said: Vec<String> = Vec::new();
         if is_wide {
             said.push("UTF-16".to_owned());
@@ -310,6 +337,24 @@ impl RigColumns {
             }
         }
         Ok((record, said.join(", ")))
+    }
+
+    /// The fields of a file's header, each with the variable that it is taken as; `None` where it is none.
+    ///
+    /// # Errors
+    /// [`ColumnsError`] where the file cannot be read.
+    pub fn headings(&self, path: &Path) -> Result<Vec<Heading>, ColumnsError> {
+        let file = path.display().to_string();
+        let (text, _) = text_of(path, &file)?;
+        let (text, _) = with_commas(&text);
+        Ok(header(&text)
+            .into_iter()
+            .map(|field| {
+                let found = self.found(field, &file).ok();
+                let variable = found.and_then(|found| variables().find(|own| *own == found.name));
+                (field.to_owned(), variable)
+            })
+            .collect())
     }
 
     /// A table in memory with the rig's names, in SI units.
@@ -333,13 +378,7 @@ impl RigColumns {
 
     /// The table with the rig's names in its header, time first.
     fn renamed(&self, text: &str, file: &str) -> Result<(Vec<Found>, String), ColumnsError> {
-        let header_line = text.lines().find(|line| !line.trim().is_empty());
-        let header: Vec<&str> = header_line
-            .unwrap_or("")
-            .split(',')
-            .map(|field| field.trim().trim_matches('"').trim())
-            .collect();
-        let found = self.found_all(&header, file)?;
+        let found = self.found_all(&header(text), file)?;
         let time = found.iter().position(|column| column.name == TIME);
         let mut is_header = true;
         let mut lines = Vec::new();

@@ -241,7 +241,8 @@ pub fn is_worse(case: &Case, rig: &Rig<f64>) -> Result<bool, ShowError> {
     Ok(lost || root_mean_square(&after, &both) > root_mean_square(&before, &both))
 }
 
-fn delay(rig: &Rig<f64>) -> f64 {
+/// Delay of the disc's sensors [s].
+pub(crate) fn delay(rig: &Rig<f64>) -> f64 {
     rig.effects.sensor_delay.map_or(0.0, |effect| effect.delay)
 }
 
@@ -258,7 +259,7 @@ fn built(
 }
 
 /// Root mean square over the windows that count; NaN where one of them could not be run.
-fn root_mean_square(windows: &[Option<WindowCourse>], counts: &[bool]) -> f64 {
+pub(crate) fn root_mean_square(windows: &[Option<WindowCourse>], counts: &[bool]) -> f64 {
     let (mut square, mut residuals) = (0.0, 0);
     for (window, _) in windows.iter().zip(counts).filter(|(_, counts)| **counts) {
         let Some(window) = window else {
@@ -314,7 +315,8 @@ fn longest(records: &[RawRecord]) -> usize {
         .unwrap_or(0)
 }
 
-fn first_state(data: &Data, run: usize) -> RigState<f64> {
+/// State at the first sample of a stretch as measured, in the plant's units.
+pub(crate) fn first_state(data: &Data, run: usize) -> RigState<f64> {
     data.windows
         .iter()
         .find(|window| window.run == run && window.first == 0)

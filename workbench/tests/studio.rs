@@ -1,0 +1,702 @@
+//! `stickslip studio` over a real socket: whom it answers, what it answers, what it survives.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests fail by panicking, like the tests"
+)]
+
+mod common;
+#[allow(dead_code, reason = "one of its plants is enough here")]
+#[path = "small_plants/records.rs"]
+mod records;
+
+use std::fs;
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{Shutdown, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use workbench::files::record::Record;
+
+use common::stickslip;
+
+/// Longest that a diagnosis of the small case may take here, unoptimised and beside other tests.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+fn case_directory() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/unbalance")
+}
+
+/// A studio that runs, and ends with its test.
+struct Studio {
+    child: Child,
+    port: u16,
+    token: String,
+}
+
+impl Drop for Studio {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// What was answered.
+struct Answer {
+    status: u16,
+    head: String,
+    body: Vec<u8>,
+}
+
+impl Answer {
+    fn text(&self) -> String {
+        String::from_utf8_lossy(&self.body).into_owned()
+    }
+
+    fn json(&self) -> Value {
+        assert_eq!(self.status, 200, "{}", self.text());
+        serde_json::from_slice(&self.body).unwrap()
+    }
+
+    /// A column of an answer with curves.
+    fn column(&self, name: &str) -> Vec<f64> {
+        assert_eq!(self.status, 200, "{}", self.text());
+        let length = u32::from_le_bytes(self.body[..4].try_into().unwrap()) as usize;
+        let header: Value = serde_json::from_slice(&self.body[4..4 + length]).unwrap();
+        let rows = header["rows"].as_u64().unwrap() as usize;
+        let names = header["columns"].as_array().unwrap();
+        let place = names.iter().position(|own| own == name).unwrap();
+        let first = 4 + length + 8 * rows * place;
+        let numbers = self.body[first..first + 8 * rows].chunks_exact(8);
+        numbers
+            .map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap()))
+            .collect()
+    }
+}
+
+impl Studio {
+    fn start(arguments: &[&str]) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+            .arg("studio")
+            .args(arguments)
+            .args(["--no-browser"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut address = String::new();
+        BufReader::new(child.stdout.take().unwrap())
+            .read_line(&mut address)
+            .unwrap();
+        let rest = address.trim().strip_prefix("http://127.0.0.1:").unwrap();
+        let (port, token) = rest.split_once('/').unwrap();
+        Self {
+            child,
+            port: port.parse().unwrap(),
+            token: token.trim_matches('/').to_owned(),
+        }
+    }
+
+    /// On a copy of the small case, with the library that was built beside the test.
+    fn on_case(place: &Path) -> Self {
+        let case = place.join("case");
+        fs::create_dir_all(&case).unwrap();
+        for entry in fs::read_dir(case_directory()).unwrap() {
+            let path = entry.unwrap().path();
+            fs::copy(&path, case.join(path.file_name().unwrap())).unwrap();
+        }
+        Self::start(&[case.to_str().unwrap()])
+    }
+
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream
+            .set_read_timeout(Some(Duration::from_secs(60)))
+            .unwrap();
+        stream
+    }
+
+    /// Sends bytes as they are, and hears the answer.
+    fn send(&self, request: &[u8]) -> Option<Answer> {
+        let mut stream = self.connect();
+        stream.write_all(request).ok()?;
+        let mut all = Vec::new();
+        let _ = stream.read_to_end(&mut all);
+        let end = all.windows(4).position(|four| four == b"\r\n\r\n")?;
+        let head = String::from_utf8_lossy(&all[..end]).into_owned();
+        let status = head.split(' ').nth(1)?.parse().ok()?;
+        Some(Answer {
+            status,
+            head,
+            body: all[end + 4..].to_vec(),
+        })
+    }
+
+    fn host(&self) -> String {
+        format!("Host: 127.0.0.1:{}", self.port)
+    }
+
+    fn ask(&self, method: &str, path: &str, headers: &[&str], body: &[u8]) -> Answer {
+        let mut request = format!(
+            "{method} {path} HTTP/1.1\r\nConnection: close\r\nContent-Length: {}\r\n",
+            body.len()
+        );
+        for header in headers {
+            request += &format!("{header}\r\n");
+        }
+        let mut request = (request + "\r\n").into_bytes();
+        request.extend(body);
+        self.send(&request).unwrap()
+    }
+
+    fn own(&self, method: &str, path: &str, body: &[u8]) -> Answer {
+        let path = format!("/{}/{path}", self.token);
+        self.ask(method, &path, &[&self.host()], body)
+    }
+
+    fn get(&self, path: &str) -> Answer {
+        self.own("GET", path, b"")
+    }
+
+    fn post(&self, path: &str, value: &Value) -> Answer {
+        self.own("POST", path, value.to_string().as_bytes())
+    }
+
+    /// Waits until the diagnosis is in one of these phases.
+    fn wait(&self, phases: &[&str]) -> Value {
+        let begun = Instant::now();
+        loop {
+            let progress = self.get("api/diagnosis").json();
+            let phase = progress["phase"].as_str().unwrap();
+            if phases.contains(&phase) {
+                return progress;
+            }
+            assert!(begun.elapsed() < PATIENCE, "{progress}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
+
+#[test]
+fn only_the_own_page_is_answered() {
+    let place = tempfile::tempdir().unwrap();
+    let studio = Studio::on_case(place.path());
+    let (host, token) = (studio.host(), format!("/{}/", studio.token));
+    let page = studio.ask("GET", &token, &[&host], b"");
+    assert_eq!(page.status, 200);
+    assert!(page.text().contains("<title>stickslip studio</title>"));
+    for rule in ["default-src 'none'", "nosniff", "no-referrer", "no-store"] {
+        assert!(page.head.contains(rule), "{rule}: {}", page.head);
+    }
+    for path in [
+        "/",
+        "/api/state",
+        "/0123456789abcdef0123456789abcdef/",
+        "/favicon.ico",
+    ] {
+        let refused = studio.ask("GET", path, &[&host], b"");
+        assert_eq!(refused.status, 403, "{path}");
+        assert!(!refused.text().contains(&studio.token));
+    }
+    for wrong in ["Host: evil.example", "Host: 127.0.0.1:1", "Host: [::1]"] {
+        assert_eq!(
+            studio.ask("GET", &token, &[wrong], b"").status,
+            403,
+            "{wrong}"
+        );
+    }
+    for wrong in [
+        "Origin: null",
+        "Origin: http://evil.example",
+        "Origin: http://127.0.0.1:1",
+    ] {
+        let path = format!("{token}api/diagnosis");
+        let refused = studio.ask("POST", &path, &[&host, wrong], br#"{"do": "start"}"#);
+        assert_eq!(refused.status, 403, "{wrong}");
+    }
+    let own = format!("Origin: http://127.0.0.1:{}", studio.port);
+    assert_eq!(
+        studio
+            .ask("GET", &format!("{token}api/state"), &[&host, &own], b"")
+            .status,
+        200
+    );
+    assert_eq!(studio.get("api/diagnosis").json()["phase"], "idle");
+}
+
+#[test]
+fn nothing_outside_its_folder_is_served_or_written() {
+    let place = tempfile::tempdir().unwrap();
+    let studio = Studio::on_case(place.path());
+    for path in [
+        "files/..%2f..%2fmodel.toml",
+        "files/../../case/model.toml",
+        "files/studio.json",
+        "files/%2e%2e/model.toml",
+        "files/..%2fby-hand/model.toml",
+        "report/..%2f..",
+        "api/records/..%2fmodel.toml",
+        "api/records/%2fetc%2fpasswd",
+        "../../etc/passwd",
+    ] {
+        let status = studio.get(path).status;
+        assert!([404, 422, 403].contains(&status), "{path}: {status}");
+    }
+    let text = fs::read(case_directory().join("run-a.csv")).unwrap();
+    let put = studio.own("PUT", "api/records/..%2f..%2fescaped.csv", &text);
+    assert_eq!(put.status, 200, "{}", put.text());
+    assert!(!place.path().join("escaped.csv").exists());
+    assert!(
+        place
+            .path()
+            .join("case/studio/dropped/_.._escaped.csv")
+            .is_file()
+    );
+    for name in ["x.exe", "run-a.csv", ".csv"] {
+        let refused = studio.own("PUT", &format!("api/records/{name}"), &text);
+        assert_eq!(refused.status, 422, "{name}: {}", refused.text());
+    }
+}
+
+#[test]
+fn what_is_too_large_is_refused_before_it_comes() {
+    let place = tempfile::tempdir().unwrap();
+    let studio = Studio::on_case(place.path());
+    let head = format!(
+        "PUT /{}/api/records/big.csv HTTP/1.1\r\n{}\r\nContent-Length: {}\r\n\r\n",
+        studio.token,
+        studio.host(),
+        workbench::studio::MOST_UPLOAD + 1
+    );
+    let refused = studio.send(head.as_bytes()).unwrap();
+    assert_eq!(refused.status, 413);
+    assert!(
+        refused.text().contains("up to 256 MiB"),
+        "{}",
+        refused.text()
+    );
+    // What is no record has a limit of its own.
+    let long = vec![b' '; workbench::studio::MOST_CHOICES + 1];
+    assert_eq!(studio.own("POST", "api/state", &long).status, 413);
+    assert_eq!(studio.get("api/diagnosis").status, 200);
+}
+
+#[test]
+fn ten_thousand_malformed_requests_are_survived() {
+    let place = tempfile::tempdir().unwrap();
+    let studio = Studio::on_case(place.path());
+    let token = &studio.token;
+    let host = studio.host();
+    // A generator of Lehmer's kind; its numbers are the same every time.
+    let mut state = 1_u64;
+    let mut random = |below: usize| {
+        state = state * 48_271 % 0x7fff_ffff;
+        state as usize % below
+    };
+    let paths = [
+        "",
+        "api/state",
+        "api/diagnosis",
+        "api/simulate",
+        "api/believe",
+        "api/records/run-a.csv",
+        "files/repeat.py",
+        "x/y/z",
+    ];
+    let bodies = [
+        "",
+        "{",
+        "[]",
+        "null",
+        "{\"do\":\"stop\"}",
+        "{\"do\":7}",
+        "{\"settings\":[1,2]}",
+        "{\"uses\":[{}]}",
+        "\u{0}\u{1}",
+        "{\"model\":\"believed\",\"settings\":{\"disc.inertia\":-1},\"drive\":{\"by\":\"record\",\"record\":\"run-a.csv\"}}",
+        "{\"model\":\"believed\",\"drive\":{\"by\":\"held\",\"speed_rpm\":1e300,\"normal_force\":-5,\"duration\":1e300,\"step\":0}}",
+        "{\"model\":\"../x\",\"drive\":{\"by\":\"rest\",\"record\":\"..\",\"step\":-1}}",
+    ];
+    let methods = [
+        "GET",
+        "POST",
+        "PUT",
+        "DELETE",
+        "OPTIONS",
+        "TRACE",
+        "P\u{f6}ST",
+        "get",
+    ];
+    for number in 0..10_000 {
+        let mut stream = studio.connect();
+        let (path, body) = (paths[random(paths.len())], bodies[random(bodies.len())]);
+        // A record that is taken away would be no malformed request.
+        let method = methods[random(methods.len())];
+        let request = match number % 5 {
+            0 => (0..random(200)).map(|_| random(256) as u8).collect(),
+            1 => format!("GET /{token}/ HTTP/9.{}\r\n{host}\r\n\r\n", random(99)).into_bytes(),
+            2 => format!("POST /{token}/{path} HTTP/1.1\r\n{host}\r\nContent-Length: 99999\r\n\r\n{body}").into_bytes(),
+            3 => format!("POST /{token}/{path} HTTP/1.1\r\n{host}\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n{body}\r\n").into_bytes(),
+            _ => format!("{method} /{token}/{path}%ff%00 HTTP/1.1\r\n{host}\r\nContent-Length: {}\r\n\r\n{body}", body.len()).into_bytes(),
+        };
+        let _ = stream.write_all(&request);
+        let _ = stream.shutdown(Shutdown::Write);
+        if number % 10 == 9 {
+            let _ = stream.read(&mut [0; 64]);
+        }
+    }
+    // Well formed and wrong: each is answered, and told what is wrong.
+    for body in bodies {
+        for path in &paths[1..5] {
+            let answer = studio.own("POST", path, body.as_bytes());
+            assert!(
+                [200, 404, 409, 422].contains(&answer.status),
+                "{path} {body}: {} {}",
+                answer.status,
+                answer.text()
+            );
+        }
+    }
+    let state = studio.get("api/state").json();
+    assert_eq!(state["records"].as_array().unwrap().len(), 3);
+    assert_eq!(state["records"][0]["problem"], Value::Null, "{state}");
+}
+
+#[test]
+fn simulated_is_what_the_command_line_simulates() {
+    let place = tempfile::tempdir().unwrap();
+    let studio = Studio::on_case(place.path());
+    let model = place.path().join("case/model.toml");
+    let out = place.path().join("out");
+    let (model, out) = (model.to_str().unwrap(), out.to_str().unwrap());
+    let (code, text) = stickslip(&[
+        "simulate",
+        model,
+        "--speed-rpm",
+        "55",
+        "--normal-force",
+        "50",
+        "--set",
+        "contact.mu_s=0.2",
+        "--duration",
+        "20",
+        "--out",
+        out,
+    ]);
+    assert_eq!(code, 0, "{text}");
+    let expected = Record::read(&Path::new(out).join("result.csv")).unwrap();
+    let settings = json!({"contact.mu_s": 0.2});
+    let held = studio.post(
+        "api/simulate",
+        &json!({"model": "believed", "settings": settings, "drive": {
+            "by": "held", "speed_rpm": 55.0, "normal_force": 50.0, "duration": 20.0, "step": 0.01}}),
+    );
+    assert_eq!(held.column("time"), expected.time());
+    for name in ["theta", "theta_dot", "theta3_dot", "T_f", "stuck"] {
+        assert_eq!(held.column(name), expected.column(name).unwrap(), "{name}");
+    }
+    let record = place.path().join("case/run-a.csv");
+    let (code, text) = stickslip(&[
+        "simulate",
+        model,
+        "--inputs",
+        record.to_str().unwrap(),
+        "--out",
+        out,
+    ]);
+    assert_eq!(code, 0, "{text}");
+    let expected = Record::read(&Path::new(out).join("result.csv")).unwrap();
+    let rest = studio.post(
+        "api/simulate",
+        &json!({"model": "believed", "drive": {"by": "rest", "record": "run-a.csv", "step": 0.01}}),
+    );
+    assert_eq!(
+        rest.column("theta_dot"),
+        expected.column("theta_dot").unwrap()
+    );
+    // From the measured state, at the record's own times.
+    let measured = studio.get("api/records/run-a.csv");
+    for windows in [false, true] {
+        let drive = json!({"by": "record", "record": "run-a.csv", "windows": windows});
+        let run = studio.post(
+            "api/simulate",
+            &json!({"model": "believed", "drive": drive}),
+        );
+        assert_eq!(run.column("time"), measured.column("time"));
+    }
+    let wrong = studio.post(
+        "api/simulate",
+        &json!({"model": "believed", "settings": {"disc.inertia": -1.0}, "drive": {"by": "record", "record": "run-a.csv"}}),
+    );
+    assert_eq!(wrong.status, 422);
+    assert!(wrong.text().contains("disc.inertia"), "{}", wrong.text());
+}
+
+#[test]
+fn choices_outlive_the_studio() {
+    let place = tempfile::tempdir().unwrap();
+    let studio = Studio::on_case(place.path());
+    let uses = json!([
+        {"record": "run-a.csv", "span": [0.0, 5.0], "role": "learn"},
+        {"record": "run-b.csv", "role": "hold_out"},
+        {"record": "held-out.csv", "role": "off"},
+    ]);
+    let change = json!({"uses": uses, "without": ["stribeck"], "settings": ["believed", {"disc.inertia": 0.016}], "view": {"tab": "rig"}});
+    assert_eq!(studio.post("api/state", &change).status, 200);
+    let script = studio.get("files/repeat.py").text();
+    for part in ["run-a.csv@0:5\"]", "run-b.csv\"", "without=[\"stribeck\"]"] {
+        assert!(script.contains(part), "{part}: {script}");
+    }
+    let shell = studio.get("files/shell.txt").text();
+    assert!(
+        shell.contains("@0:5 --held-out ") && shell.ends_with("--out result"),
+        "{shell}"
+    );
+    // Killed, not ended.
+    drop(studio);
+    let again = Studio::on_case(place.path());
+    let choices = again.get("api/state").json()["choices"].clone();
+    assert_eq!(choices["uses"].as_array().unwrap().len(), 3);
+    assert_eq!(choices["settings"]["believed"]["disc.inertia"], 0.016);
+    assert_eq!(choices["view"]["tab"], "rig");
+    // Numbers that are believed from now on stand in the studio's folder, and the case's model stays as it was.
+    let before = fs::read(place.path().join("case/model.toml")).unwrap();
+    assert_eq!(
+        again
+            .post("api/believe", &json!(["believed", {"disc.inertia": 0.016}]))
+            .status,
+        200
+    );
+    let text = again.get("files/model.studio.toml").text();
+    assert!(text.contains("inertia = 0.016"), "{text}");
+    assert_eq!(
+        fs::read(place.path().join("case/model.toml")).unwrap(),
+        before
+    );
+}
+
+#[test]
+fn columns_are_mapped_by_hand() {
+    let place = tempfile::tempdir().unwrap();
+    let studio = Studio::start(&["--out", place.path().to_str().unwrap()]);
+    let model = fs::read(case_directory().join("model.toml")).unwrap();
+    assert_eq!(
+        studio.own("PUT", "api/records/model.toml", &model).status,
+        200
+    );
+    let text = fs::read_to_string(case_directory().join("run-a.csv")).unwrap();
+    let (header, rest) = text.split_once('\n').unwrap();
+    let foreign = header
+        .replace("theta_dot", "disc speed")
+        .replacen("time", "t", 1);
+    let foreign = format!("{foreign}\n{rest}");
+    assert_eq!(
+        studio
+            .own("PUT", "api/records/foreign.csv", foreign.as_bytes())
+            .status,
+        200
+    );
+    let record = studio.get("api/state").json()["records"][0].clone();
+    assert!(record["problem"].as_str().is_some(), "{record}");
+    let headings: Vec<&str> = record["headings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|own| own[0].as_str().unwrap())
+        .collect();
+    assert!(
+        headings.contains(&"t") && headings.contains(&"disc speed"),
+        "{headings:?}"
+    );
+    let columns =
+        json!({"time": {"column": "t", "unit": "s"}, "theta_dot": {"column": "disc speed"}});
+    assert_eq!(
+        studio
+            .post("api/state", &json!({"columns": columns}))
+            .status,
+        200
+    );
+    let record = studio.get("api/state").json()["records"][0].clone();
+    assert_eq!(record["problem"], Value::Null, "{record}");
+    assert!(
+        studio
+            .get("api/records/foreign.csv")
+            .column("theta_dot")
+            .len()
+            > 100
+    );
+}
+
+#[test]
+fn two_studios_on_one_folder_and_a_folder_that_disappears() {
+    let place = tempfile::tempdir().unwrap();
+    let studio = Studio::on_case(place.path());
+    let case = place.path().join("case");
+    let (code, text) = stickslip(&["studio", case.to_str().unwrap(), "--no-browser"]);
+    assert_eq!(code, 2);
+    assert!(
+        text.contains("is open in another studio") && text.contains(&studio.port.to_string()),
+        "{text}"
+    );
+    assert!(!text.contains(&studio.token), "{text}");
+    fs::remove_dir_all(case.join("studio")).unwrap();
+    let change = json!({"without": ["stribeck"]});
+    let gone = studio.post("api/state", &change);
+    assert_eq!(gone.status, 410);
+    assert!(
+        gone.text().contains("the studio's folder is gone"),
+        "{}",
+        gone.text()
+    );
+    assert_eq!(
+        studio.post("api/diagnosis", &json!({"do": "start"})).status,
+        410
+    );
+    assert_eq!(studio.post("api/state", &json!({"anew": true})).status, 200);
+    let kept = fs::read_to_string(case.join("studio/studio.json")).unwrap();
+    assert!(kept.contains("stribeck"), "{kept}");
+    // The records of the case go, too: said, not crashed.
+    fs::remove_file(case.join("run-a.csv")).unwrap();
+    let problem = studio.get("api/state").json()["records"][0]["problem"].clone();
+    assert!(
+        problem.as_str().unwrap().contains("cannot be read"),
+        "{problem}"
+    );
+}
+
+#[test]
+fn a_diagnosis_is_held_stopped_resumed_and_done() {
+    let place = tempfile::tempdir().unwrap();
+    let studio = Studio::on_case(place.path());
+    let wish = |what: &str| studio.post("api/diagnosis", &json!({"do": what}));
+    assert_eq!(wish("stop").status, 409);
+    assert_eq!(wish("start").status, 200);
+    assert_eq!(wish("start").status, 409);
+    assert_eq!(wish("pause").status, 200);
+    // It holds at its next step, and does nothing then.
+    std::thread::sleep(Duration::from_secs(2));
+    let held = studio.get("api/diagnosis").json();
+    assert_eq!(held["phase"], "held");
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(studio.get("api/diagnosis").json()["told"], held["told"]);
+    wish("stop");
+    assert_eq!(studio.wait(&["stopped"])["phase"], "stopped");
+    assert_eq!(wish("start").status, 200);
+    studio.wait(&["running", "done"]);
+    // The program dies in the middle.
+    drop(studio);
+    let studio = Studio::on_case(place.path());
+    assert!(
+        ["cut off", "idle"].contains(
+            &studio.get("api/diagnosis").json()["phase"]
+                .as_str()
+                .unwrap()
+        )
+    );
+    assert_eq!(
+        studio.post("api/diagnosis", &json!({"do": "start"})).status,
+        200
+    );
+    let done = studio.wait(&["done", "failed"]);
+    assert_eq!(done["phase"], "done", "{done}");
+    assert_eq!(done["settled"], true);
+    let state = studio.get("api/state").json();
+    assert_eq!(state["finding"]["effects"][0]["name"], "unbalance");
+    assert_eq!(state["is_of_now"], true);
+    assert!(studio.get("report/").text().contains("Missing: unbalance"));
+    assert!(
+        studio
+            .get("files/model.amended.toml")
+            .text()
+            .contains("[unbalance]")
+    );
+    let names: Vec<&str> = state["files"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|file| file["name"].as_str().unwrap())
+        .collect();
+    assert!(
+        names.contains(&"ReducedRig.fmi3.fmu") && names.contains(&"ReducedRig.fmi2.fmu"),
+        "{names:?}"
+    );
+    // Cut off behind the finding: what goes on begins there, and searches nothing anew.
+    drop(studio);
+    let out = place.path().join("case/studio");
+    fs::remove_file(out.join("report.html")).unwrap();
+    let kept = fs::read_to_string(out.join("studio.json")).unwrap();
+    fs::write(
+        out.join("studio.json"),
+        kept.replace("\"is_done\": true", "\"is_done\": false"),
+    )
+    .unwrap();
+    let studio = Studio::on_case(place.path());
+    assert_eq!(studio.get("api/diagnosis").json()["phase"], "cut off");
+    assert_eq!(
+        studio.post("api/diagnosis", &json!({"do": "start"})).status,
+        200
+    );
+    let again = studio.wait(&["done", "failed"]);
+    assert_eq!(again["phase"], "done", "{again}");
+    assert_eq!(again["tried"], json!({}));
+    assert_eq!(
+        studio.get("api/state").json()["finding"]["effects"],
+        state["finding"]["effects"]
+    );
+    assert!(out.join("report.html").is_file());
+    // Another effect, put in by hand: worse on the held-out record.
+    let wish = json!({"do": "by_hand", "effects": ["viscous_drag"]});
+    assert_eq!(studio.post("api/diagnosis", &wish).status, 200);
+    assert_eq!(studio.wait(&["done", "failed"])["phase"], "done");
+    let hand = studio.get("api/state").json()["by_hand"][0].clone();
+    assert_eq!(hand["name"], "viscous_drag");
+    let after = |finding: &Value| finding["gap"]["through_fmu"]["after"].as_f64().unwrap();
+    assert!(after(&hand["finding"]) > after(&state["finding"]), "{hand}");
+    let wrong = studio.post(
+        "api/diagnosis",
+        &json!({"do": "by_hand", "effects": ["../x"]}),
+    );
+    assert_eq!(wrong.status, 422);
+}
+
+#[test]
+fn a_small_plant_is_diagnosed_too() {
+    let place = tempfile::tempdir().unwrap();
+    let case = place.path().join("drive");
+    fs::create_dir_all(&case).unwrap();
+    fs::write(case.join("model.toml"), records::DRIVE).unwrap();
+    for (name, seed) in [("run-a.csv", 1), ("run-b.csv", 2), ("held-out.csv", 3)] {
+        fs::write(case.join(name), records::drive(15.0, seed)).unwrap();
+    }
+    let studio = Studio::start(&[case.to_str().unwrap()]);
+    let state = studio.get("api/state").json();
+    assert_eq!(state["models"][0]["kind"], "small plant");
+    let known = state["effects"].as_array().unwrap();
+    assert!(
+        known
+            .iter()
+            .any(|effect| effect["name"] == "coulomb_friction"),
+        "{known:?}"
+    );
+    assert_eq!(
+        studio.post("api/diagnosis", &json!({"do": "start"})).status,
+        200
+    );
+    let done = studio.wait(&["done", "failed"]);
+    assert_eq!(done["phase"], "done", "{done}");
+    let state = studio.get("api/state").json();
+    assert_eq!(state["finding"]["verdict"], "named", "{state}");
+    assert!(
+        state["finding"]["small_plant"]["steps"]
+            .as_array()
+            .unwrap()
+            .len()
+            > 1
+    );
+    assert!(studio.get("report/").text().contains("coulomb friction"));
+    let first = &state["finding"]["effects"][0]["name"];
+    let wish = json!({"do": "by_hand", "effects": [first]});
+    assert_eq!(studio.post("api/diagnosis", &wish).status, 200);
+    assert_eq!(studio.wait(&["done", "failed"])["phase"], "done");
+}
