@@ -171,7 +171,7 @@ pub fn journal(bytes: &[u8]) {
     let Some(path) = file(&[b"\"whose\"\n", bytes].concat(), "fuzzed.journal") else {
         return;
     };
-    if let Ok((_, rows)) = Journal::open(&path, "whose", (3, 2)) {
+    if let Ok((_, rows)) = Journal::open(&path, "whose", "map", (3, 2)) {
         assert!(
             rows.iter()
                 .all(|(row, points)| *row < 3 && points.len() == 2)

@@ -19,8 +19,8 @@ use crate::diagnose::catalogue::CATALOGUE;
 use crate::diagnose::finding;
 use crate::diagnose::material::Material;
 use crate::diagnose::rig_columns::{Heading, RigColumns, unit_names, variables};
+use crate::diagnose::small_plant::catalogue::possible;
 use crate::diagnose::small_plant::model_file::{SmallModel, is_small_plant};
-use crate::diagnose::small_plant::naming::candidates;
 use crate::diagnose::small_plant::term::Entry;
 use crate::files::atomic;
 
@@ -222,7 +222,7 @@ impl Session {
         if is_small_plant(&text) {
             // What is wrong with the model is told beside the model.
             let model = SmallModel::parse(&text, &name).ok();
-            let all = model.map(|own| candidates(&own.model, own.columns.load.is_some(), &[]));
+            let all = model.map(|own| possible(&own, &[]));
             let tell = |entry: &&Entry| told_of(entry.name, entry.description, entry.signature);
             return all.iter().flatten().map(tell).collect();
         }

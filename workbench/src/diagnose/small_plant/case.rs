@@ -4,7 +4,7 @@ use std::path::{Path as FilePath, PathBuf};
 
 use thiserror::Error;
 
-use super::catalogue::CATALOGUE;
+use super::catalogue::{CATALOGUE, possible};
 use super::effect_file;
 use super::evidence::unit;
 use super::fmu::missing::{Chased, MissingError};
@@ -401,12 +401,7 @@ impl SmallCase {
     /// The effects that the plant can have and its model has not.
     #[must_use]
     pub fn possible(&self) -> Vec<&'static Entry> {
-        let model = &self.model.model;
-        let has_load = self.model.columns.load.is_some();
-        let all = CATALOGUE.iter().chain(self.supposed.iter().copied());
-        all.filter(|entry| entry.fits(model.kind, model.path, has_load))
-            .filter(|entry| !model.has(entry.name))
-            .collect()
+        possible(&self.model, &self.supposed)
     }
 
     /// Those of them that were not taken out of the catalogue.

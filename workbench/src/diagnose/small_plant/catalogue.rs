@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use stickslip::parameter::Range;
 
 use super::effect_file;
+use super::model_file::SmallModel;
 use super::term::{Entry, Formula, Role, Sample, parameter};
 use super::unit::{Dimension, Kind, Path};
 
@@ -159,6 +160,17 @@ const CODED: &[Entry] = &[
         own: false,
     },
 ];
+
+/// The effects of the catalogue and of `supposed` that a model's plant can have and the model has not.
+#[must_use]
+pub fn possible(plant: &SmallModel, supposed: &[&'static Entry]) -> Vec<&'static Entry> {
+    let model = &plant.model;
+    let has_load = plant.columns.load.is_some();
+    let all = CATALOGUE.iter().chain(supposed.iter().copied());
+    all.filter(|entry| entry.fits(model.kind, model.path, has_load))
+        .filter(|entry| !model.has(entry.name))
+        .collect()
+}
 
 /// The effect of this name.
 #[must_use]
