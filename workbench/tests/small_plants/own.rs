@@ -7,17 +7,12 @@ use workbench::diagnose::finding::VerdictName;
 use crate::records::{BALANCE, DRIVE, balance, drive};
 use crate::{Place, names};
 
-/// Friction that is higher around one speed, which no effect of the catalogue is like.
-const BUMP: &str = r#"
-[[effect]]
-name = "slow_resonance"
-title = "friction that is higher around one speed"
-port = "plant.friction"
-equation = "height*exp(-((abs(velocity) - centre)/width)^2)*direction"
-parameters.height = { unit = "N.m", range = "non-negative", description = "Friction that is added at the centre" }
-parameters.centre = { unit = "rad/s", range = "positive", description = "Speed at which most is added" }
-parameters.width = { unit = "rad/s", range = "positive", description = "Distance from the centre at which a share 1/e of it is left" }
-"#;
+/// Friction that is higher around one speed, as the page on equations has it; no effect of the catalogue is like it.
+fn slow_resonance() -> &'static str {
+    let page = include_str!("../../../docs/equations.md");
+    let (_, last) = page.rsplit_once("```toml\n").unwrap();
+    last.split("```").next().unwrap()
+}
 
 /// Nine ripples per turn.
 const RIPPLE: &str = r#"
@@ -45,7 +40,7 @@ fn suspecting(model: &str, hidden: fn(f64, f64, f64, f64, f64) -> f64, suspects:
 
 #[test]
 fn a_suspect_that_is_what_is_missing_is_named_and_its_model_lacks_nothing() {
-    let place = suspecting(BALANCE, bump, &[BUMP, RIPPLE]);
+    let place = suspecting(BALANCE, bump, &[slow_resonance(), RIPPLE]);
     let (code, text) = place.run("diagnose", &[]);
     assert_eq!(code, 0, "{text}");
     let found = place.finding();
@@ -71,7 +66,7 @@ fn a_suspect_that_is_what_is_missing_is_named_and_its_model_lacks_nothing() {
 #[test]
 fn a_phase_is_found_from_wherever_it_starts() {
     let hidden = |q: f64, _: f64, _: f64, _: f64, _: f64| -0.8 * (9.0 * q - 4.0).cos();
-    let place = suspecting(BALANCE, hidden, &[BUMP, RIPPLE]);
+    let place = suspecting(BALANCE, hidden, &[slow_resonance(), RIPPLE]);
     let (code, text) = place.run("diagnose", &[]);
     assert_eq!(code, 0, "{text}");
     assert_eq!(names(&place.finding()), ["nine_teeth"], "{text}");
@@ -80,7 +75,7 @@ fn a_phase_is_found_from_wherever_it_starts() {
 #[test]
 fn suspects_that_are_not_missing_are_not_named_beside_what_is() {
     let hidden = |_: f64, rate: f64, _: f64, _: f64, _: f64| 0.6 * rate.signum();
-    let place = suspecting(BALANCE, hidden, &[BUMP, RIPPLE]);
+    let place = suspecting(BALANCE, hidden, &[slow_resonance(), RIPPLE]);
     let (code, text) = place.run("diagnose", &[]);
     assert_eq!(code, 0, "{text}");
     let found = place.finding();

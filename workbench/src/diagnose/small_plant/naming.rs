@@ -12,7 +12,7 @@ use super::term::{Entry, Formula};
 use super::unit::Kind;
 
 /// Most effects that are named one after the other.
-const MOST_EFFECTS: usize = 5;
+const MOST_EFFECTS: usize = 8;
 /// Steps of a first look at each start, and of fits that are carried to the end.
 const FIRST_LOOK: usize = 8;
 const TO_THE_END: usize = 40;
