@@ -106,7 +106,13 @@ impl Studio {
             let path = entry.unwrap().path();
             fs::copy(&path, case.join(path.file_name().unwrap())).unwrap();
         }
-        Self::start(&[case.to_str().unwrap()])
+        let library = std::env::current_exe().unwrap().with_file_name(format!(
+            "{}stickslip{}",
+            std::env::consts::DLL_PREFIX,
+            std::env::consts::DLL_SUFFIX
+        ));
+        let library = library.to_str().unwrap();
+        Self::start(&[case.to_str().unwrap(), "--library", library])
     }
 
     fn connect(&self) -> TcpStream {
@@ -577,7 +583,7 @@ fn a_diagnosis_is_held_stopped_resumed_and_done() {
     // It holds at its next step, and does nothing then.
     std::thread::sleep(Duration::from_secs(2));
     let held = studio.get("api/diagnosis").json();
-    assert_eq!(held["phase"], "held");
+    assert_eq!(held["phase"], "held", "{held}");
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(studio.get("api/diagnosis").json()["told"], held["told"]);
     wish("stop");
