@@ -1,8 +1,8 @@
 //! `stickslip studio`: the diagnosis as a local page, with eyes and hands.
 //!
-//! [`server`] answers the page and nobody else, which [`guard`] sees to. A [`session`] holds what was chosen, keeps it in the
-//! studio's [`folder`], and hands the work to the functions behind the other commands: [`seen`] and [`records`] read,
-//! [`simulate`] runs, [`diagnosis`] names, [`export`] hands out.
+//! `server` answers the page and nobody else, which `guard` sees to. A `session` holds what was chosen, keeps it in the
+//! studio's `folder`, and hands the work to the functions behind the other commands: `seen` and `records` read,
+//! `simulate` runs, `diagnosis` names, `export` hands out.
 
 mod binary;
 mod choices;

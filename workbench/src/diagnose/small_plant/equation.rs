@@ -12,12 +12,14 @@ use super::unit::{Dimension, Kind, Path};
 const FURTHER: [&str; 4] = ["load", "predicted", "motor", "weight"];
 /// Number of all coordinates.
 pub const COUNT: usize = COORDINATES.len() + FURTHER.len();
-/// Places of the acceleration, the time and the load among them.
+/// Place of the acceleration among them.
 const ACCELERATION: usize = 2;
-/// See [`ACCELERATION`].
+/// Place of the time.
 pub const TIME: usize = 4;
-/// See [`ACCELERATION`].
+/// Place of the load.
 pub const LOAD: usize = 6;
+/// Place of the predicted force.
+const PREDICTED: usize = 7;
 
 /// The coordinates at a moment, in the order of their places.
 #[must_use]
@@ -63,9 +65,8 @@ pub fn quantities(kind: Kind, path: Path) -> Vec<Quantity> {
         // A run that is predicted has no measured acceleration.
         ACCELERATION => !kind.runs_alone(),
         LOAD => kind == Kind::Contact,
-        7 => kind == Kind::Balance,
-        8 | 9 => kind == Kind::Joint,
-        _ => true,
+        PREDICTED => kind == Kind::Balance,
+        _ => place < PREDICTED || kind == Kind::Joint,
     };
     let names = COORDINATES.iter().chain(&FURTHER).zip(dimensions);
     names
