@@ -1,71 +1,18 @@
 //! Physical parameters: one declaration gives the struct, its names, units, ranges and access.
 
 mod list;
+mod range;
 mod section_file;
 pub mod units;
 
 pub use list::Parameter;
 pub(crate) use list::{check, parameters, position, set_at, value_at};
+pub use range::Range;
 pub use section_file::{ModelFileError, Provenance};
 pub(crate) use section_file::{SectionReader, number};
 
 use crate::series::Scalar;
-use std::fmt;
 use thiserror::Error;
-
-/// What a parameter's value may be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Range {
-    /// Above zero.
-    Positive,
-    /// Zero or above.
-    NonNegative,
-    /// Any finite number.
-    Finite,
-    /// Between two bounds, both allowed.
-    Between(f64, f64),
-}
-
-impl Range {
-    /// Whether `value` is finite and allowed.
-    pub fn contains(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Positive => value > 0.0,
-                Self::NonNegative => value >= 0.0,
-                Self::Finite => true,
-                Self::Between(low, high) => low <= value && value <= high,
-            }
-    }
-
-    /// Smallest value that may be declared as a minimum; `None` without a lower bound.
-    pub fn minimum(self) -> Option<f64> {
-        match self {
-            Self::Positive | Self::NonNegative => Some(0.0),
-            Self::Finite => None,
-            Self::Between(low, _) => Some(low),
-        }
-    }
-
-    /// Largest allowed value; `None` without an upper bound.
-    pub fn maximum(self) -> Option<f64> {
-        match self {
-            Self::Between(_, high) => Some(high),
-            _ => None,
-        }
-    }
-}
-
-impl fmt::Display for Range {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Positive => write!(f, "a finite number above 0"),
-            Self::NonNegative => write!(f, "a finite number not below 0"),
-            Self::Finite => write!(f, "a finite number"),
-            Self::Between(low, high) => write!(f, "a number from {low} to {high}"),
-        }
-    }
-}
 
 /// What is known of a parameter before it has a value.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -37,6 +37,12 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// That of a check that holds or does not.
+    #[must_use]
+    pub fn of(holds: bool) -> Self {
+        if holds { Self::Done } else { Self::CheckFailed }
+    }
+
     /// The process' exit code.
     #[must_use]
     pub fn code(self) -> u8 {

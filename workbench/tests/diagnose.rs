@@ -30,7 +30,7 @@ use workbench::diagnose::restart::{best_starts, window_courses};
 use workbench::diagnose::show::{Comparison, Shown};
 use workbench::files::record::Record;
 
-use common::stickslip;
+use common::{library, stickslip};
 
 fn case_directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/unbalance")
@@ -322,17 +322,13 @@ fn the_stages_on_each_others_files_as_a_user_runs_them() {
     let place = tempfile::tempdir().unwrap();
     let out = place.path().join("result");
     let (case, out_text) = (case_directory(), out.to_str().unwrap());
-    let library = std::env::current_exe().unwrap().with_file_name(format!(
-        "{}stickslip{}",
-        std::env::consts::DLL_PREFIX,
-        std::env::consts::DLL_SUFFIX
-    ));
+    let library = library("stickslip");
     let common = [
         case.to_str().unwrap(),
         "--out",
         out_text,
         "--library",
-        library.to_str().unwrap(),
+        &library,
     ];
     let run = |stage: &str, more: &[&str]| stickslip(&[&[stage], &common[..], more].concat());
 

@@ -2,13 +2,17 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "common/interrupt.rs"]
+mod interrupt;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
+use crate::interrupt::{Interrupted, said};
 use workbench::analysis::motion::Motion;
 use workbench::ensemble::{Conditions, Settings, Uncertain, at_places};
-use workbench::map::{self, Point, Quantity};
+use workbench::map::{self, Point, Quantity, Study};
 
 const MODEL: &str = include_str!("../../modelDescription/reduced-rig.toml");
 const FILES: [&str; 5] = [
@@ -198,10 +202,6 @@ fn ensemble(out: &Path, runs: &str, more: &[&str]) -> Command {
 
 const GRID: [&str; 4] = ["--speed-rpm", "20:60:3", "--normal-force", "5:65:2"];
 
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 fn same(one: &Path, other: &Path) {
     for name in FILES {
         let (left, right) = (
@@ -264,49 +264,14 @@ fn one_place_and_one_axis_have_pictures_of_their_own() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_ensemble_is_continued_to_the_same_result() {
-    let place = tempfile::tempdir().unwrap();
-    let (whole, parts) = (place.path().join("whole"), place.path().join("parts"));
-    let runs = "300";
-    assert!(
-        ensemble(&whole, runs, &GRID)
-            .output()
-            .unwrap()
-            .status
-            .success()
-    );
-    let journal = parts.join("ensemble.journal");
-    let child = ensemble(&parts, runs, &GRID)
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    let has_rows = || fs::read_to_string(&journal).is_ok_and(|text| text.contains("\nend\n"));
-    while !has_rows() {
-        std::thread::sleep(std::time::Duration::from_millis(1));
+    Interrupted {
+        study: &|out| ensemble(out, "300", &GRID),
+        other: &|out| ensemble(out, "301", &GRID),
+        refusal: "belongs to an ensemble with other settings",
+        journal: "ensemble.journal",
+        files: &FILES,
     }
-    Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    let interrupted = child.wait_with_output().unwrap();
-    assert_eq!(
-        interrupted.status.code(),
-        Some(130),
-        "{}",
-        said(&interrupted)
-    );
-    assert!(has_rows() && !parts.join("ensemble.csv").exists());
-    let other = ensemble(&parts, "301", &GRID).output().unwrap();
-    assert_eq!(other.status.code(), Some(2));
-    assert!(
-        said(&other).contains("belongs to an ensemble with other settings"),
-        "{}",
-        said(&other)
-    );
-    let continued = ensemble(&parts, runs, &GRID).output().unwrap();
-    assert!(continued.status.success(), "{}", said(&continued));
-    assert!(!String::from_utf8_lossy(&continued.stdout).contains(" 0 rigs kept"));
-    same(&whole, &parts);
-    assert!(!journal.exists());
+    .goes_on_to_the_same_result();
 }
 
 #[test]

@@ -2,14 +2,18 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "common/interrupt.rs"]
+mod interrupt;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
+use crate::interrupt::{Interrupted, said};
 use workbench::analysis::limit_cycle;
 use workbench::analysis::motion::{self, Motion};
 use workbench::component::Native;
-use workbench::map::{Point, Quantity, Settings, Span, run_point};
+use workbench::map::{Point, Quantity, Settings, Span, Study, run_point};
 use workbench::simulate::{Drive, Schedule, simulate};
 
 const MODEL: &str = include_str!("../../modelDescription/reduced-rig.toml");
@@ -249,56 +253,17 @@ fn map(out: &Path, force: &str) -> Command {
     command
 }
 
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 #[cfg(unix)]
 #[test]
 fn an_interrupted_map_is_continued_to_the_same_result() {
-    let place = tempfile::tempdir().unwrap();
-    let (whole, parts) = (place.path().join("whole"), place.path().join("parts"));
-    let force = "5:65:61";
-    assert!(map(&whole, force).output().unwrap().status.success());
-    let journal = parts.join("map.journal");
-    let child = map(&parts, force)
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    let has_rows = || fs::read_to_string(&journal).is_ok_and(|text| text.contains("\nend\n"));
-    while !has_rows() {
-        std::thread::sleep(std::time::Duration::from_millis(1));
+    Interrupted {
+        study: &|out| map(out, "5:65:61"),
+        other: &|out| map(out, "5:65:60"),
+        refusal: "belongs to a map with other settings",
+        journal: "map.journal",
+        files: &["map.csv", "map.svg"],
     }
-    Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    let interrupted = child.wait_with_output().unwrap();
-    assert_eq!(
-        interrupted.status.code(),
-        Some(130),
-        "{}",
-        said(&interrupted)
-    );
-    assert!(has_rows() && !parts.join("map.csv").exists());
-    let other = map(&parts, "5:65:60").output().unwrap();
-    assert_eq!(other.status.code(), Some(2));
-    assert!(
-        said(&other).contains("belongs to a map with other settings"),
-        "{}",
-        said(&other)
-    );
-    let continued = map(&parts, force).output().unwrap();
-    assert!(continued.status.success(), "{}", said(&continued));
-    assert!(!String::from_utf8_lossy(&continued.stdout).contains(" 0 rows kept"));
-    for name in ["map.csv", "map.svg"] {
-        assert_eq!(
-            fs::read(whole.join(name)).unwrap(),
-            fs::read(parts.join(name)).unwrap(),
-            "{name}"
-        );
-    }
-    assert!(!journal.exists());
+    .goes_on_to_the_same_result();
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use stickslip::integrator::Simulation;
 use stickslip::plant::Rig;
-use workbench::map::{Quantity, Settings, Watch};
+use workbench::map::{Quantity, Settings, Study, Watch};
 
 /// Counts what is allocated and how much that was at most.
 struct Counting;

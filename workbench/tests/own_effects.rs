@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use workbench::diagnose::finding::{Finding, VerdictName};
 
-use common::stickslip;
+use common::{library, stickslip};
 
 fn within(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
@@ -28,13 +28,9 @@ fn run(stage: &str, out: &Path, further: &[&str]) -> (i32, String) {
         "--out",
         out.to_str().unwrap(),
     ];
-    let library = std::env::current_exe().unwrap().with_file_name(format!(
-        "{}stickslip{}",
-        std::env::consts::DLL_PREFIX,
-        std::env::consts::DLL_SUFFIX
-    ));
+    let library = library("stickslip");
     if stage != "name" {
-        own.extend(["--library", library.to_str().unwrap()]);
+        own.extend(["--library", &library]);
     }
     stickslip(&[&own, further].concat())
 }

@@ -7,11 +7,11 @@ use inference::record::CHANNELS;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use workbench::cli::Outcome;
-use workbench::diagnose::command::{Diagnosed, diagnose_for};
 use workbench::diagnose::material::{CaseArguments, Material};
 use workbench::diagnose::progress::{Finished, farewell};
 use workbench::diagnose::record_check::COLUMNS;
 use workbench::diagnose::record_part::Part;
+use workbench::diagnose::request::{Diagnosed, Request, Stages};
 use workbench::diagnose::show::Comparison;
 use workbench::diagnose::small_plant::case as of_small_plant;
 
@@ -158,7 +158,14 @@ impl Case {
         lock(&finished).clear();
         Job::start_owning(move |watch| {
             let tell = Box::new(move |what: &str| watch.tell(what));
-            let diagnosed = diagnose_for(&material, &out, library.as_deref(), tell, finished)?;
+            let request = Request {
+                material: &material,
+                out: &out,
+                library: library.as_deref(),
+                tell,
+                finished,
+            };
+            let diagnosed = request.run(Stages::All)?;
             Ok(finding(diagnosed))
         })
     }

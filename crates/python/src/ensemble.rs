@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow};
 use pyo3::prelude::*;
 use workbench::analysis::motion::Motion;
-use workbench::ensemble::{Column, Conditions, Settings, Uncertain, Work, at_places, columns};
-use workbench::map::{Finished, Point, Span};
+use workbench::ensemble::{Column, Conditions, Settings, Uncertain, at_places, columns};
+use workbench::map::{Finished, Point, Span, Study, Work};
 
 use crate::arrays::bytes;
 use crate::errors::any_error;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context, anyhow};
 use pyo3::prelude::*;
 use workbench::analysis::motion::Motion;
-use workbench::map::{Finished, Point, Quantity, Settings, Span, Work};
+use workbench::map::{Finished, Point, Quantity, Settings, Span, Study, Work};
 
 use crate::arrays::bytes;
 use crate::errors::any_error;

@@ -8,7 +8,7 @@ use crate::series::Scalar;
 /// Most effects by equation that one rig may have.
 const MOST_EFFECTS: usize = 4;
 /// Most parameters of one of them.
-pub(super) const MOST_PARAMETERS: usize = 6;
+pub const MOST_PARAMETERS: usize = 6;
 
 /// SI values of the units in which a rig's own numbers are, for equations that are always in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@ mod series;
 mod write;
 
 pub use definition::Definition;
-use effect::MOST_PARAMETERS;
+pub use effect::MOST_PARAMETERS;
 pub use effect::{EquationEffect, EquationEffects, SiUnits};
 pub use port::Port;
 pub use read::Supposition;

@@ -2,7 +2,7 @@
 
 use super::definition::{Draft, Points};
 use super::{Definition, EquationEffects, MOST_PARAMETERS, Port};
-use crate::expression::{Coordinate, FUNCTIONS, Interpolation};
+use crate::expression::{self, Coordinate, Interpolation};
 use crate::parameter::{ModelFileError, ParameterInfo, Provenance, Range, SectionReader, number};
 use crate::plant::effect_infos;
 use crate::plant::model_file::SECTIONS;
@@ -23,8 +23,6 @@ const PARAMETER_KEYS: [&str; 4] = ["value", "unit", "range", "description"];
 const TABLE_KEYS: [&str; 6] = ["x", "y", "x_unit", "y_unit", "interpolation", "period"];
 /// Longest line of words, in characters: what a tool shows in one place.
 const LONGEST: usize = 2000;
-/// Longest name, in characters.
-const LONGEST_NAME: usize = 40;
 
 /// The effects of a model file, switched on.
 pub(in crate::plant) fn read_effects(
@@ -331,24 +329,7 @@ impl<'a> Entry<'a> {
         let Some(value) = self.table.get("range") else {
             return Ok(Range::Finite);
         };
-        let bounds = match value {
-            Value::String(word) if word == "any" => Some(Range::Finite),
-            Value::String(word) if word == "positive" => Some(Range::Positive),
-            Value::String(word) if word == "non-negative" => Some(Range::NonNegative),
-            Value::Array(list) => match list.iter().map(number).collect::<Option<Vec<f64>>>() {
-                Some(bounds) if bounds.len() == 2 => Some(Range::Between(bounds[0], bounds[1])),
-                _ => None,
-            },
-            _ => None,
-        };
-        let is_sound = |range: &Range| match range {
-            Range::Between(low, high) => low.is_finite() && high.is_finite() && low < high,
-            _ => true,
-        };
-        bounds.filter(is_sound).ok_or_else(|| {
-            let expected = "\"any\", \"positive\", \"non-negative\" or [lowest, highest]";
-            self.wrong("range", value, expected)
-        })
+        Range::read(value).ok_or_else(|| self.wrong("range", value, Range::WRITTEN))
     }
 
     fn points(&self, key: &str) -> Result<Points, ModelFileError> {
@@ -378,21 +359,7 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// Whether equations and dotted names can carry a name; if not, what would be right.
+/// Whether equations of rigs and dotted names can carry a name; if not, what would be right.
 fn check_name(name: &str) -> Result<(), &'static str> {
-    let mut letters = name.chars();
-    let is_good = letters.next().is_some_and(|c| c.is_ascii_lowercase())
-        && letters.all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
-        && name.len() <= LONGEST_NAME;
-    if !is_good {
-        return Err("small letters, digits and _, a letter first, 40 at most");
-    }
-    let mut coordinates = Coordinate::ALL.iter();
-    if name == "pi"
-        || FUNCTIONS.contains(&name)
-        || coordinates.any(|coordinate| coordinate.name() == name)
-    {
-        return Err("another name: equations mean something else by this one");
-    }
-    Ok(())
+    expression::check_name(name, &Coordinate::ALL.map(Coordinate::name))
 }

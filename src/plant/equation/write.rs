@@ -2,7 +2,7 @@
 
 use super::EquationEffect;
 use crate::expression::Interpolation;
-use crate::parameter::{Provenance, Range, Section};
+use crate::parameter::{Provenance, Section};
 use crate::plant::model_file::{provenance_keys, write_number};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -36,7 +36,7 @@ pub(in crate::plant) fn write_effect(
             "parameters.{key} = {{ value = {}, unit = {}, range = {}, description = {}{} }}",
             write_number(effect.get(place)),
             quoted(unit),
-            write_range(*range),
+            range.written(),
             quoted(description),
             known.map(provenance_keys).unwrap_or_default()
         );
@@ -59,14 +59,5 @@ pub(in crate::plant) fn write_effect(
         if let Some(period) = points.period {
             let _ = writeln!(text, "period = {}", write_number(period));
         }
-    }
-}
-
-fn write_range(range: Range) -> String {
-    match range {
-        Range::Positive => "\"positive\"".to_owned(),
-        Range::NonNegative => "\"non-negative\"".to_owned(),
-        Range::Finite => "\"any\"".to_owned(),
-        Range::Between(low, high) => format!("[{}, {}]", write_number(low), write_number(high)),
     }
 }

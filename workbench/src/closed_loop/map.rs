@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 use std::fs;
+use std::path::Path;
 
 use build_fmu::explain::explain;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use super::arguments::ClosedLoopArguments;
 use super::run::{Case, Conditions, run};
@@ -12,72 +12,42 @@ use super::{INTERRUPTED, picture};
 use crate::analysis::motion::Motion;
 use crate::cli::Outcome;
 use crate::files::atomic;
-use crate::map::{Finished, Journal, Point, run_rows};
+use crate::map::{Point, Study, judge, make};
+
+/// Every case at every speed and normal force: a row for each case and normal force.
+struct LoopMap<'a> {
+    arguments: &'a ClosedLoopArguments,
+    cases: Vec<Case>,
+    speeds: Vec<f64>,
+    forces: Vec<f64>,
+    identity: String,
+}
 
 /// Writes `map.csv`, `map.svg` and `map.png`.
 pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome> {
-    let (cases, speeds) = (arguments.cases(), arguments.speed_rpm.values());
-    let forces = arguments.normal_force.values();
-    let conditions = |row: usize, column: usize| Conditions {
-        speed_rpm: speeds[column],
-        normal_force: forces[row % forces.len()],
-        normal_force_1: arguments.normal_force_1,
-        step: arguments.communication_step[0],
-        duration: arguments.duration,
-    };
-    let one = |row: usize, column: usize| {
-        let case = &cases[row / forces.len()];
-        run(&arguments.rig, case, &conditions(row, column), &INTERRUPTED)
+    let map = LoopMap {
+        arguments,
+        cases: arguments.cases(),
+        speeds: arguments.speed_rpm.values(),
+        forces: arguments.normal_force.values(),
+        identity: identity(arguments)?,
     };
     // A first run of each case shows what is wrong with the files before the many begin.
-    for case in &cases {
+    for case in &map.cases {
         let brief = Conditions {
             duration: arguments.communication_step[0],
-            ..conditions(0, 0)
+            ..map.conditions(0, 0)
         };
         run(&arguments.rig, case, &brief, &INTERRUPTED)?;
     }
-    let shape = (cases.len() * forces.len(), speeds.len());
-    let (journal, kept) = Journal::open(
-        &arguments.out.join("map.journal"),
-        &identity(arguments)?,
-        "a map with other settings",
-        shape,
-    )?;
-    let bar = ProgressBar::new((shape.0 * shape.1) as u64)
-        .with_position((kept.len() * speeds.len()) as u64);
-    if let Ok(style) =
-        ProgressStyle::with_template("{wide_bar} {pos}/{len} runs, {per_sec}, {eta} left")
-    {
-        bar.set_style(style);
-    }
-    let finished = run_rows(
-        shape,
-        &|row, column| one(row, column).map_or_else(|_| Point::failed(), |samples| samples.point()),
-        kept,
-        &journal,
-        &INTERRUPTED,
-        arguments.threads,
-        &|| bar.inc(1),
-    )?;
-    bar.finish_and_clear();
-    let Finished::Complete(rows) = finished else {
-        eprintln!(
-            "interrupted; the finished rows are kept in {}: the same command goes on from there",
-            journal.path().display()
-        );
+    let Some(made) = make(&map, &arguments.out, &INTERRUPTED, arguments.threads)? else {
         return Ok(Outcome::Interrupted);
     };
-    let maps: Vec<&[Vec<Point>]> = rows.chunks(forces.len()).collect();
-    let table = table(&cases, &speeds, &forces, &maps);
-    atomic::write_file(&arguments.out.join("map.csv"), table.as_bytes())?;
-    picture::maps(&cases, &speeds, &forces, &maps).write(&arguments.out.join("map"))?;
-    journal.remove()?;
-    for (case, map) in cases.iter().zip(&maps) {
+    for (case, rows) in map.cases.iter().zip(map.by_case(&made.rows)) {
         let counts: Vec<String> = Motion::ALL
             .into_iter()
             .map(|motion| {
-                let points = map.iter().flatten();
+                let points = rows.iter().flatten();
                 let count = points.filter(|point| point.motion == Some(motion)).count();
                 format!("{} {count}", motion.name())
             })
@@ -88,25 +58,55 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
         "written              {}",
         arguments.out.join("map.csv").display()
     );
-    let failed = rows
-        .iter()
-        .enumerate()
-        .flat_map(|(row, points)| {
-            points
-                .iter()
-                .enumerate()
-                .map(move |(column, p)| (row, column, p))
-        })
-        .find(|(_, _, point)| point.motion.is_none());
-    if let Some((row, column, _)) = failed {
-        let reason = one(row, column).err().map(|error| explain(error.as_ref()));
-        eprintln!(
-            "runs failed; in map.csv their motion is `failed`. The first: {}",
-            reason.unwrap_or_default()
-        );
-        return Ok(Outcome::CheckFailed);
+    Ok(judge(&map, &made.rows))
+}
+
+impl LoopMap<'_> {
+    fn conditions(&self, row: usize, column: usize) -> Conditions {
+        Conditions {
+            speed_rpm: self.speeds[column],
+            normal_force: self.forces[row % self.forces.len()],
+            normal_force_1: self.arguments.normal_force_1,
+            step: self.arguments.communication_step[0],
+            duration: self.arguments.duration,
+        }
     }
-    Ok(Outcome::Done)
+
+    fn by_case<'a>(&self, rows: &'a [Vec<Point>]) -> Vec<&'a [Vec<Point>]> {
+        rows.chunks(self.forces.len()).collect()
+    }
+}
+
+impl Study for LoopMap<'_> {
+    const JOURNAL: &'static str = "map.journal";
+    const OTHER: &'static str = "a map with other settings";
+    const ROWS: &'static str = "rows";
+    const FAILED: &'static str = "in map.csv their motion is `failed`";
+
+    fn identity(&self) -> String {
+        self.identity.clone()
+    }
+
+    fn shape(&self) -> (usize, usize) {
+        (self.cases.len() * self.forces.len(), self.speeds.len())
+    }
+
+    fn try_run(&self, row: usize, column: usize) -> Result<Point, String> {
+        let case = &self.cases[row / self.forces.len()];
+        let conditions = self.conditions(row, column);
+        let samples = run(&self.arguments.rig, case, &conditions, &INTERRUPTED);
+        samples
+            .map(|samples| samples.point())
+            .map_err(|error| explain(error.as_ref()))
+    }
+
+    fn write(&self, rows: &[Vec<Point>], out: &Path) -> anyhow::Result<()> {
+        let maps = self.by_case(rows);
+        let (cases, speeds, forces) = (&self.cases, &self.speeds, &self.forces);
+        let table = table(cases, speeds, forces, &maps);
+        atomic::write_file(&out.join("map.csv"), table.as_bytes())?;
+        Ok(picture::maps(cases, speeds, forces, &maps).write(&out.join("map"))?)
+    }
 }
 
 /// What makes two maps the same: all settings and the models.

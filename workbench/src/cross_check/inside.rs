@@ -72,11 +72,7 @@ pub(super) fn check(path: &Path, out: &Path) -> anyhow::Result<Outcome> {
             );
         }
     }
-    Ok(if kept {
-        Outcome::Done
-    } else {
-        Outcome::CheckFailed
-    })
+    Ok(Outcome::of(kept))
 }
 
 /// Folders of the cross-check down to the tool that made the FMU and its version.

@@ -119,6 +119,14 @@ pub enum CaseError {
     /// A record cannot be used.
     #[error(transparent)]
     Problem(#[from] RecordProblem),
+    /// A file of effects that is none.
+    #[error("{file}: needs sections [[effect]], each with a name: {reason}")]
+    NoEffectFile {
+        /// The file.
+        file: String,
+        /// What the parser says.
+        reason: String,
+    },
     /// A name that the catalogue does not have.
     #[error("{name}: the catalogue has no such effect{hint}; it has {known}")]
     UnknownEffect {
@@ -265,27 +273,8 @@ impl Material {
                 estimated
             }
         };
-        for (c, name) in COLUMNS[INPUTS..INPUTS + CHANNELS].iter().enumerate() {
-            let is_there = runs.iter().any(|run| !run.readings[c].is_empty());
-            if is_there && instruments.deviations()[c] == 0.0 {
-                notes.push(format!("column not used: {name}, which never changes"));
-                for record in runs.iter_mut().chain(&mut held_out) {
-                    record.readings[c].clear();
-                }
-            }
-        }
-        let stated_noise = stated.and_then(|(sensors, _)| sensors.load_cell_noise);
-        let noise_of = |force: fn(&RawRecord) -> &Vec<f64>| {
-            let forces: Vec<&[f64]> = runs.iter().map(|run| force(run).as_slice()).collect();
-            stated_noise.unwrap_or_else(|| load_noise(&forces))
-        };
-        let noise = noise_of(|run| &run.normal_force);
-        let noise_1 = noise_of(|run| &run.normal_force_1);
-        for record in runs.iter_mut().chain(&mut held_out) {
-            record.normal_force = denoise(&record.normal_force, noise);
-            record.normal_force_1 = denoise(&record.normal_force_1, noise_1);
-            record.load_deviations = [noise, noise_1];
-        }
+        let load_noise = stated.and_then(|(sensors, _)| sensors.load_cell_noise);
+        notes.extend(clean(&instruments, load_noise, &mut runs, &mut held_out));
         notes.extend(note_on_inputs(&runs));
         let case = Case {
             name: self.name.clone(),
@@ -423,6 +412,40 @@ fn last_quarter(record: &Record) -> (Record, Record, String) {
     );
     let (learned, held_out) = (record.window(first, cut), record.window(cut, f64::INFINITY));
     (learned, held_out, note)
+}
+
+/// Takes out of records what never changes, which was not measured, and the noise of the load cells; `known_noise` is what the sensor
+/// file states of that [N]. Notes on what was taken out.
+pub(crate) fn clean(
+    instruments: &Instruments,
+    known_noise: Option<f64>,
+    learned: &mut [RawRecord],
+    held_out: &mut [RawRecord],
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (channel, name) in COLUMNS[INPUTS..INPUTS + CHANNELS].iter().enumerate() {
+        let is_there = learned.iter().any(|run| !run.readings[channel].is_empty());
+        if is_there && instruments.deviations()[channel] == 0.0 {
+            notes.push(format!("column not used: {name}, which never changes"));
+            for record in learned.iter_mut().chain(&mut *held_out) {
+                record.readings[channel].clear();
+            }
+        }
+    }
+    let noise_of = |force: fn(&RawRecord) -> &Vec<f64>| {
+        let forces: Vec<&[f64]> = learned.iter().map(|run| force(run).as_slice()).collect();
+        known_noise.unwrap_or_else(|| load_noise(&forces))
+    };
+    let noise = [
+        noise_of(|run| &run.normal_force),
+        noise_of(|run| &run.normal_force_1),
+    ];
+    for record in learned.iter_mut().chain(held_out) {
+        record.normal_force = denoise(&record.normal_force, noise[0]);
+        record.normal_force_1 = denoise(&record.normal_force_1, noise[1]);
+        record.load_deviations = noise;
+    }
+    notes
 }
 
 /// A record's stretches without holes.

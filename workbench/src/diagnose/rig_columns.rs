@@ -2,7 +2,6 @@
 //! header itself does.
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
@@ -10,14 +9,13 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::console::number;
-use super::record_check::COLUMNS;
 use super::record_part::Part;
+use super::rig_variable::{TIME, units, variables};
 use crate::component::closest;
 use crate::files::record::{Missing, Record, RecordError, decode, with_commas};
 
 /// The table of the model file.
 const TABLE: &str = "columns";
-const TIME: &str = "time";
 
 /// A column as the model file names it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -130,40 +128,6 @@ pub enum ColumnsError {
     /// The table is no record.
     #[error(transparent)]
     Record(#[from] RecordError),
-}
-
-/// Units of a variable, SI first.
-fn units(variable: &str) -> &'static [(&'static str, f64)] {
-    match variable {
-        TIME => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("min", 60.0)],
-        "u" => &[("V", 1.0), ("mV", 1e-3)],
-        "i" => &[("A", 1.0), ("mA", 1e-3)],
-        force if force.starts_with('N') => &[("N", 1.0), ("kN", 1e3), ("mN", 1e-3), ("MN", 1e6)],
-        velocity if velocity.ends_with("_dot") => &[
-            ("rad/s", 1.0),
-            ("deg/s", TAU / 360.0),
-            ("°/s", TAU / 360.0),
-            ("rpm", TAU / 60.0),
-            ("1/min", TAU / 60.0),
-        ],
-        _ => &[
-            ("rad", 1.0),
-            ("deg", TAU / 360.0),
-            ("°", TAU / 360.0),
-            ("rev", TAU),
-            ("mrad", 1e-3),
-        ],
-    }
-}
-
-/// Names of the units that a variable of a record may have, SI first.
-pub fn unit_names(variable: &str) -> impl Iterator<Item = &'static str> {
-    units(variable).iter().map(|(name, _)| *name)
-}
-
-/// Names of all variables that a record may have, time first.
-pub fn variables() -> impl Iterator<Item = &'static str> {
-    std::iter::once(TIME).chain(COLUMNS)
 }
 
 fn factor(file: &str, variable: &str, unit: &str) -> Result<f64, ColumnsError> {
@@ -482,6 +446,8 @@ pub fn about(said: &[(String, String)]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     fn read(model: &str, table: &str) -> (Record, String) {

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use stickslip::plant::Supposition;
 
 use super::case::CaseError;
@@ -28,18 +29,30 @@ pub fn files(directory: &Path) -> Result<Vec<(String, String)>, CaseError> {
     paths.iter().map(|path| named_text(path)).collect()
 }
 
-/// The names of the effects that these files describe, of rigs and of small plants; whether they are right is seen where they are tried.
-#[must_use]
-pub fn names(files: &[(String, String)]) -> Vec<String> {
-    let table = |text: &String| text.parse::<toml::Table>().unwrap_or_default();
-    let list = |table: toml::Table| match table.get("effect") {
-        Some(toml::Value::Array(list)) => list.clone(),
-        _ => Vec::new(),
-    };
-    let sections = files.iter().flat_map(|(_, text)| list(table(text)));
-    sections
-        .filter_map(|section| Some(section.get("name")?.as_str()?.to_owned()))
-        .collect()
+/// The names of the effects that these files describe, of rigs and of small plants. What else is wrong with them each case says, since
+/// it depends on the plant.
+///
+/// # Errors
+/// A file has no sections `[[effect]]` with names.
+pub fn names(files: &[(String, String)]) -> Result<Vec<String>, CaseError> {
+    #[derive(Deserialize)]
+    struct Named {
+        name: String,
+    }
+    #[derive(Deserialize)]
+    struct File {
+        effect: Vec<Named>,
+    }
+    let mut all = Vec::new();
+    for (file, text) in files {
+        let read: Result<File, _> = toml::from_str(text);
+        let read = read.map_err(|error| CaseError::NoEffectFile {
+            file: file.clone(),
+            reason: error.to_string().trim_end().to_owned(),
+        })?;
+        all.extend(read.effect.into_iter().map(|effect| effect.name));
+    }
+    Ok(all)
 }
 
 /// The effects of these files, each with the name of its file.

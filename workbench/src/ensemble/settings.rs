@@ -1,15 +1,19 @@
 //! Which runs an ensemble is made of.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use stickslip::parameter::ParameterError;
 use stickslip::plant::{ModelFile, Rig, RigInputs};
 use thiserror::Error;
 
+use super::bands::at_places;
+use super::picture::picture;
+use super::result;
 use super::uncertain::{self, Uncertain};
 use crate::diagnose::uncertainty::UncertaintyError;
 use crate::map::settings::{check_numbers, check_quantities, label, run_options};
-use crate::map::{Point, Quantity, SettingsError, Span, run_point};
+use crate::map::{Point, Quantity, SettingsError, Span, Study, run_point};
 
 /// Most rigs that one ensemble may draw.
 const MOST_RUNS: usize = 1_000_000;
@@ -151,20 +155,6 @@ impl Settings {
         })
     }
 
-    /// What makes two ensembles the same: all settings and the model, as text.
-    #[must_use]
-    pub fn identity(&self) -> String {
-        format!(
-            "ensemble, version {}; {:?}; runs {}; seed {}; {:?}; model {}",
-            env!("CARGO_PKG_VERSION"),
-            self.conditions,
-            self.runs(),
-            self.seed,
-            self.parameters,
-            self.text
-        )
-    }
-
     /// A few words for titles.
     #[must_use]
     pub fn title(&self) -> String {
@@ -223,14 +213,30 @@ impl Settings {
     pub fn sample(&self, run: usize) -> &[f64] {
         &self.drawn[run]
     }
+}
 
-    /// Makes one run; what cannot be run is a point without a motion.
-    #[must_use]
-    pub fn run(&self, run: usize, place: usize) -> Point {
-        self.try_run(run, place).unwrap_or_else(|_| Point::failed())
+impl Study for Settings {
+    const JOURNAL: &'static str = "ensemble.journal";
+    const OTHER: &'static str = "an ensemble with other settings";
+    const ROWS: &'static str = "rigs";
+    const FAILED: &'static str = "they count for no probability";
+
+    fn identity(&self) -> String {
+        format!(
+            "ensemble, version {}; {:?}; runs {}; seed {}; {:?}; model {}",
+            env!("CARGO_PKG_VERSION"),
+            self.conditions,
+            self.runs(),
+            self.seed,
+            self.parameters,
+            self.text
+        )
     }
 
-    /// Makes one run, or says why it fails.
+    fn shape(&self) -> (usize, usize) {
+        (self.runs(), self.places())
+    }
+
     fn try_run(&self, run: usize, place: usize) -> Result<Point, String> {
         let (speed, force) = self.place(place);
         // Whoever sets the voltage knows the nominal rig, not the drawn one.
@@ -243,13 +249,9 @@ impl Settings {
         run_point(rig, inputs, self.duration(), options, 0).map_err(|error| error.to_string())
     }
 
-    /// Why the first of the failed runs failed; empty if none did.
-    #[must_use]
-    pub fn first_failure(&self, rows: &[Vec<Point>]) -> String {
-        let mut failed = rows.iter().enumerate().filter_map(|(run, points)| {
-            let place = points.iter().position(|point| point.motion.is_none())?;
-            self.try_run(run, place).err()
-        });
-        failed.next().unwrap_or_default()
+    fn write(&self, rows: &[Vec<Point>], out: &Path) -> anyhow::Result<()> {
+        let bands = at_places(rows, self.places());
+        result::write(self, rows, &bands, out)?;
+        Ok(picture(self, rows, &bands).write(&out.join("ensemble"))?)
     }
 }

@@ -12,23 +12,18 @@ use stickslip::controller::is_controller;
 use super::settings::{Quantity, Settings};
 use super::span::Span;
 
-/// Kinds of motion over one or two parameters.
+/// What maps and ensembles are asked alike.
 #[derive(Debug, Args)]
-pub struct MapArguments {
+pub struct RunArguments {
     /// Model (.toml).
     pub model: PathBuf,
-    /// Speed at the gearbox output [rpm] that the voltage would give the undisturbed rig: from:to:count or one value.
+    /// Speed at the gearbox output [rpm] that the voltage would give the undisturbed rig with the model's numbers: from:to:count or one
+    /// value.
     #[arg(long, allow_hyphen_values = true)]
     pub speed_rpm: Span,
     /// Normal force N2 on disc D2 [N]: from:to:count or one value.
     #[arg(long, allow_hyphen_values = true)]
     pub normal_force: Span,
-    /// Normal force N1 on disc D1 [N], for the full rig: from:to:count or one value.
-    #[arg(long, allow_hyphen_values = true)]
-    pub normal_force_1: Option<Span>,
-    /// A parameter of the model, such as contact.mu_s=0.1:0.3:21; may be repeated.
-    #[arg(long, value_name = "NAME=FROM:TO:COUNT")]
-    pub vary: Vec<Variation>,
     /// Length of each run [s]; its last third is judged.
     #[arg(long, default_value_t = 60.0, allow_negative_numbers = true)]
     pub duration: f64,
@@ -41,6 +36,39 @@ pub struct MapArguments {
     /// Directory for the result.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+}
+
+impl RunArguments {
+    /// The text of the model, of which `study`, such as "a map", is made.
+    pub(crate) fn text(&self, study: &str) -> anyhow::Result<String> {
+        let path = &self.model;
+        ensure!(
+            path.extension().is_none_or(|extension| extension != "fmu"),
+            "{} is an FMU; {study} is made from its model file, which is in it as resources/model.toml",
+            path.display()
+        );
+        let text = fs::read_to_string(path)
+            .with_context(|| format!("{}: cannot be read", path.display()))?;
+        ensure!(
+            !is_controller(&text),
+            "{} is a controller; {study} is made of a rig (with controllers: stickslip closed-loop)",
+            path.display()
+        );
+        Ok(text)
+    }
+}
+
+/// Kinds of motion over one or two parameters.
+#[derive(Debug, Args)]
+pub struct MapArguments {
+    #[command(flatten)]
+    pub(super) runs: RunArguments,
+    /// Normal force N1 on disc D1 [N], for the full rig: from:to:count or one value.
+    #[arg(long, allow_hyphen_values = true)]
+    pub normal_force_1: Option<Span>,
+    /// A parameter of the model, such as contact.mu_s=0.1:0.3:21; may be repeated.
+    #[arg(long, value_name = "NAME=FROM:TO:COUNT")]
+    pub vary: Vec<Variation>,
 }
 
 /// A parameter and the values it takes.
@@ -67,22 +95,11 @@ impl FromStr for Variation {
 impl MapArguments {
     /// The runs that were asked for.
     pub(super) fn settings(&self) -> anyhow::Result<Settings> {
-        let path = &self.model;
-        ensure!(
-            path.extension().is_none_or(|extension| extension != "fmu"),
-            "{} is an FMU; a map is made from its model file, which is in it as resources/model.toml",
-            path.display()
-        );
-        let text = fs::read_to_string(path)
-            .with_context(|| format!("{}: cannot be read", path.display()))?;
-        ensure!(
-            !is_controller(&text),
-            "{} is a controller; a map is made of a rig (with controllers: stickslip closed-loop)",
-            path.display()
-        );
+        let runs = &self.runs;
+        let text = runs.text("a map")?;
         let mut spans = vec![
-            (Quantity::SpeedRpm, self.speed_rpm),
-            (Quantity::NormalForce, self.normal_force),
+            (Quantity::SpeedRpm, runs.speed_rpm),
+            (Quantity::NormalForce, runs.normal_force),
         ];
         spans.extend(
             self.normal_force_1
@@ -93,10 +110,10 @@ impl MapArguments {
         }
         Ok(Settings::new(
             &text,
-            &path.display().to_string(),
+            &runs.model.display().to_string(),
             &spans,
-            self.duration,
-            self.tolerance,
+            runs.duration,
+            runs.tolerance,
         )?)
     }
 }

@@ -8,23 +8,21 @@ mod point;
 pub(crate) mod result;
 pub(crate) mod settings;
 mod span;
+mod study;
 mod watch;
-mod work;
 
-pub use arguments::MapArguments;
-pub use grid::{Finished, run_rows};
+pub use arguments::{MapArguments, RunArguments};
+pub use grid::Finished;
 pub use journal::Journal;
 pub use point::{MOST_EXTREMA, Point, run_point};
 pub use settings::{Quantity, Settings, SettingsError, Varied};
 pub use span::Span;
+pub use study::{Study, Work, judge, make};
 pub use watch::Watch;
-pub use work::Work;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::analysis::motion::Motion;
 use crate::cli::Outcome;
@@ -37,57 +35,28 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// # Errors
 /// Whatever is wrong with the arguments or the model.
 pub fn command(arguments: &MapArguments) -> anyhow::Result<Outcome> {
-    let settings = arguments.settings()?;
-    let work = Work::open(&settings, &arguments.out)?;
-    let (rows_kept, journal) = (work.kept().len(), work.journal());
+    let (settings, runs) = (arguments.settings()?, &arguments.runs);
     ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed))
         .context("interrupts cannot be caught")?;
-    let bar = ProgressBar::new(settings.points() as u64)
-        .with_position((rows_kept * settings.columns()) as u64);
-    if let Ok(style) =
-        ProgressStyle::with_template("{wide_bar} {pos}/{len} runs, {per_sec}, {eta} left")
-    {
-        bar.set_style(style);
-    }
-    let begun = Instant::now();
-    let finished = work.run(&INTERRUPTED, arguments.threads, &|| bar.inc(1))?;
-    let wall_time = begun.elapsed().as_secs_f64();
-    bar.finish_and_clear();
-    let Finished::Complete(rows) = finished else {
-        eprintln!(
-            "interrupted; the finished rows are kept in {}: the same command goes on from there",
-            journal.display()
-        );
+    let made = make(&settings, &runs.out, &INTERRUPTED, runs.threads)?;
+    let Some(made) = made else {
         return Ok(Outcome::Interrupted);
     };
-    let runs = settings.points() - rows_kept * settings.columns();
     println!(
-        "{runs} runs of {} s in {wall_time:.2} s, {rows_kept} rows kept from before",
-        settings.duration
+        "{} runs of {} s in {:.2} s, {} rows kept from before",
+        settings.points() - made.kept * settings.columns(),
+        settings.duration,
+        made.wall_time,
+        made.kept
     );
     for motion in Motion::ALL {
-        let count = rows
-            .iter()
-            .flatten()
-            .filter(|point| point.motion == Some(motion))
-            .count();
+        let points = made.rows.iter().flatten();
+        let count = points.filter(|point| point.motion == Some(motion)).count();
         println!("{:12} {count}", motion.name());
     }
     println!(
         "written      {} and map.svg, map.png",
-        arguments.out.join("map.csv").display()
+        runs.out.join("map.csv").display()
     );
-    let failed = rows
-        .iter()
-        .flatten()
-        .filter(|point| point.motion.is_none())
-        .count();
-    if failed > 0 {
-        eprintln!(
-            "{failed} runs failed; in map.csv their motion is `failed`. The first: {}",
-            settings.first_failure(&rows)
-        );
-        return Ok(Outcome::CheckFailed);
-    }
-    Ok(Outcome::Done)
+    Ok(judge(&settings, &made.rows))
 }

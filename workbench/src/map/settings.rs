@@ -1,14 +1,18 @@
 //! Which runs a map is made of.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use stickslip::integrator::Options;
 use stickslip::parameter::ParameterError;
 use stickslip::plant::{ModelFileError, Rig, RigInputs, RigKind};
 use thiserror::Error;
 
+use super::picture::picture;
 use super::point::{MOST_EXTREMA, Point, run_point};
+use super::result;
 use super::span::Span;
+use super::study::Study;
 use crate::component::closest;
 
 /// Order of the integrator's polynomials: for the tolerances of maps, cheaper than its default.
@@ -165,21 +169,6 @@ impl Settings {
         })
     }
 
-    /// What makes two maps the same: all settings and the model, as text.
-    #[must_use]
-    pub fn identity(&self) -> String {
-        format!(
-            "version {}; {:?}; {:?}; {:?}; duration {:?}; tolerance {:?}; model {}",
-            env!("CARGO_PKG_VERSION"),
-            self.column,
-            self.row,
-            self.fixed,
-            self.duration,
-            self.tolerance,
-            self.text
-        )
-    }
-
     /// A few words for titles.
     #[must_use]
     pub fn title(&self) -> String {
@@ -265,12 +254,29 @@ impl Settings {
             RigInputs::held(rig.voltage_for_speed(speed), force, force_1),
         ))
     }
+}
 
-    /// Makes one run; what cannot be run is a point without a motion.
-    #[must_use]
-    pub fn run(&self, row: usize, column: usize) -> Point {
-        self.try_run(row, column)
-            .unwrap_or_else(|_| Point::failed())
+impl Study for Settings {
+    const JOURNAL: &'static str = "map.journal";
+    const OTHER: &'static str = "a map with other settings";
+    const ROWS: &'static str = "rows";
+    const FAILED: &'static str = "in map.csv their motion is `failed`";
+
+    fn identity(&self) -> String {
+        format!(
+            "version {}; {:?}; {:?}; {:?}; duration {:?}; tolerance {:?}; model {}",
+            env!("CARGO_PKG_VERSION"),
+            self.column,
+            self.row,
+            self.fixed,
+            self.duration,
+            self.tolerance,
+            self.text
+        )
+    }
+
+    fn shape(&self) -> (usize, usize) {
+        (self.rows(), self.columns())
     }
 
     fn try_run(&self, row: usize, column: usize) -> Result<Point, String> {
@@ -287,20 +293,9 @@ impl Settings {
             .map_err(|error| error.to_string())
     }
 
-    /// Why the first of the failed runs failed; empty if none did.
-    #[must_use]
-    pub fn first_failure(&self, rows: &[Vec<Point>]) -> String {
-        let mut places = rows.iter().enumerate().flat_map(|(row, points)| {
-            points
-                .iter()
-                .enumerate()
-                .filter(|(_, point)| point.motion.is_none())
-                .map(move |(column, _)| (row, column))
-        });
-        places
-            .next()
-            .and_then(|(row, column)| self.try_run(row, column).err())
-            .unwrap_or_default()
+    fn write(&self, rows: &[Vec<Point>], out: &Path) -> anyhow::Result<()> {
+        result::write(self, rows, out)?;
+        Ok(picture(self, rows)?.write(&out.join("map"))?)
     }
 }
 

@@ -19,10 +19,10 @@ use super::error::StudioError;
 use super::session::{Session, lock};
 use crate::cli::Outcome;
 use crate::diagnose::case::STACK;
-use crate::diagnose::command::{Diagnosed, amend_for, diagnose_for, go_on_for};
 use crate::diagnose::finding;
 use crate::diagnose::material::Material;
 use crate::diagnose::progress::Finished;
+use crate::diagnose::request::{Diagnosed, Request, Stages};
 use crate::diagnose::{amend, report};
 
 /// What the engine says while it tries an effect.
@@ -356,12 +356,19 @@ impl Work {
         library: Option<&Path>,
         tell: Box<dyn Fn(&str)>,
     ) -> anyhow::Result<Diagnosed> {
-        let finished = Arc::clone(&job.finished);
+        let request = |out| Request {
+            material,
+            out,
+            library,
+            tell,
+            finished: Arc::clone(&job.finished),
+        };
         match (self, &job.effects) {
-            (Self::ByHand(folder), Some(effects)) => {
-                amend_for(material, effects, out, folder, library, tell, finished)
-            }
-            (Self::GoOn, _) => go_on_for(material, out, library, tell, finished),
+            (Self::ByHand(folder), Some(effects)) => request(folder).run(Stages::With {
+                effects,
+                earlier: out,
+            }),
+            (Self::GoOn, _) => request(out).run(Stages::AfterFinding),
             _ => {
                 // What is there is of an earlier diagnosis, and would look like this one's.
                 for name in [finding::FILE, report::FILE, amend::FILE] {
@@ -372,7 +379,7 @@ impl Work {
                         _ => {}
                     }
                 }
-                diagnose_for(material, out, library, tell, finished)
+                request(out).run(Stages::All)
             }
         }
     }

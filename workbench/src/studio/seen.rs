@@ -1,14 +1,13 @@
 //! A record as the engine sees it: in SI units, without holes, with its sticking phases and the windows in which models restart.
 
-use inference::instruments::{estimate, load_noise};
+use inference::instruments::estimate;
 use inference::problem::Catalogue;
 use inference::record::RawRecord;
 use inference::trace::Motion;
 use inference::window::Begin;
 use stickslip::plant::ModelFile;
 
-use crate::diagnose::case::{Case, Judging, stretches};
-use crate::diagnose::load_cell::denoise;
+use crate::diagnose::case::{Case, Judging, clean, stretches};
 use crate::diagnose::material::Material;
 use crate::diagnose::record_check::{COLUMNS, check};
 use crate::diagnose::record_part::Part;
@@ -44,30 +43,17 @@ pub fn see(material: &Material, part: &Part) -> anyhow::Result<Seen> {
     let checked = check(&record, &model.rig)?;
     let mut runs = stretches(&checked);
     let estimated = estimate(&runs);
-    let instruments = match &material.sensors {
-        Some((file, text)) => Sensors::parse(text, file)?.completed(&estimated),
+    let sensors = material.sensors.as_ref();
+    let stated = sensors
+        .map(|(file, text)| Sensors::parse(text, file))
+        .transpose()?;
+    let instruments = match &stated {
+        Some(stated) => stated.completed(&estimated),
         None => estimated,
     };
-    for (channel, deviation) in instruments.deviations().into_iter().enumerate() {
-        // What never changes was not measured.
-        if deviation == 0.0 {
-            runs.iter_mut()
-                .for_each(|run| run.readings[channel].clear());
-        }
-    }
-    let noise = |force: fn(&RawRecord) -> &Vec<f64>| {
-        let forces: Vec<&[f64]> = runs.iter().map(|run| force(run).as_slice()).collect();
-        load_noise(&forces)
-    };
-    let noises = [
-        noise(|run| &run.normal_force),
-        noise(|run| &run.normal_force_1),
-    ];
-    for run in &mut runs {
-        run.normal_force = denoise(&run.normal_force, noises[0]);
-        run.normal_force_1 = denoise(&run.normal_force_1, noises[1]);
-        run.load_deviations = noises;
-    }
+    let load_noise = stated.and_then(|stated| stated.load_cell_noise);
+    let mut notes = checked.notes;
+    notes.extend(clean(&instruments, load_noise, &mut runs, &mut []));
     let case = Case {
         name: material.name.clone(),
         model,
@@ -82,7 +68,7 @@ pub fn see(material: &Material, part: &Part) -> anyhow::Result<Seen> {
     Ok(Seen {
         record,
         said,
-        notes: checked.notes,
+        notes,
         judging: case.judging(Begin::Clear)?,
     })
 }

@@ -18,10 +18,13 @@ use crate::diagnose::case::prepare_threads;
 use crate::diagnose::catalogue::CATALOGUE;
 use crate::diagnose::finding;
 use crate::diagnose::material::Material;
-use crate::diagnose::rig_columns::{Heading, RigColumns, unit_names, variables};
+use crate::diagnose::rig_columns::{Heading, RigColumns};
+use crate::diagnose::rig_variable::{unit_names, variables};
+use crate::diagnose::small_plant::case::supposed;
 use crate::diagnose::small_plant::catalogue::possible;
 use crate::diagnose::small_plant::model_file::{SmallModel, is_small_plant};
 use crate::diagnose::small_plant::term::Entry;
+use crate::diagnose::supposed as own_effects;
 use crate::files::atomic;
 
 /// Most readings of records that are remembered.
@@ -213,6 +216,8 @@ impl Session {
             "model": model,
             "uses": self.uses(),
             "without": self.choices().without,
+            "effects": self.base.material.effects,
+            "sensors": self.base.material.sensors,
         })
     }
 
@@ -220,16 +225,27 @@ impl Session {
     fn effects(&self) -> Vec<Value> {
         let (name, text) = self.believed().unwrap_or_default();
         if is_small_plant(&text) {
-            // What is wrong with the model is told beside the model.
+            // What is wrong with the model is told beside the model; with the effects of one's own, where a diagnosis begins.
             let model = SmallModel::parse(&text, &name).ok();
-            let all = model.map(|own| possible(&own, &[]));
+            let all = model.map(|own| {
+                let tried = supposed(&self.base.material, &own).unwrap_or_default();
+                possible(&own, &tried)
+            });
             let tell = |entry: &&Entry| told_of(entry.name, entry.description, entry.signature);
             return all.iter().flatten().map(tell).collect();
         }
         let known = CATALOGUE.iter();
-        known
-            .map(|entry| told_of(entry.name, entry.description, entry.signature))
-            .collect()
+        let known = known.map(|entry| told_of(entry.name, entry.description, entry.signature));
+        let own = own_effects::read(&self.base.material.effects).unwrap_or_default();
+        let own = own.iter().map(|(file, effect)| {
+            let definition = effect.definition;
+            told_of(
+                definition.name(),
+                definition.title(),
+                &format!("{file}: {}", definition.equation()),
+            )
+        });
+        known.chain(own).collect()
     }
 
     /// All that the page shows, but for curves.

@@ -19,11 +19,11 @@ pub fn stickslip(arguments: &[&str]) -> (i32, String) {
     (output.status.code().unwrap(), text)
 }
 
-/// The library of an FMU around an FMU, which lies beside the test binaries.
+/// The library `stickslip`, or `stickslip_wrapper` of an FMU around an FMU, which lies beside the test binaries.
 #[allow(dead_code, reason = "not every test packs one")]
-pub fn wrapper_library() -> String {
+pub fn library(name: &str) -> String {
     let library = std::env::current_exe().unwrap().with_file_name(format!(
-        "{}stickslip_wrapper{}",
+        "{}{name}{}",
         std::env::consts::DLL_PREFIX,
         std::env::consts::DLL_SUFFIX
     ));

@@ -13,7 +13,7 @@ use workbench::component;
 use workbench::diagnose::finding::VerdictName;
 use workbench::diagnose::small_plant::finding::SmallFinding;
 
-use crate::common::{stickslip, wrapper_library};
+use crate::common::{library, stickslip};
 use crate::plant::{Hidden, PORTS, record, write_fmu};
 
 struct Place {
@@ -63,7 +63,7 @@ impl Place {
             "--out",
             &out,
             "--library",
-            &wrapper_library(),
+            &library("stickslip_wrapper"),
         ])
     }
 

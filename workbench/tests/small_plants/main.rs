@@ -44,6 +44,13 @@ impl Place {
         stickslip(&[&[stage, &case, "--out", &out], more].concat())
     }
 
+    /// What a diagnosis finds, whose exit code is this, with what it shows.
+    fn diagnosed(&self, expected: i32) -> (SmallFinding, String) {
+        let (code, text) = self.run("diagnose", &[]);
+        assert_eq!(code, expected, "{text}");
+        (self.finding(), text)
+    }
+
     fn finding(&self) -> SmallFinding {
         SmallFinding::read(&self.file("out")).unwrap()
     }
@@ -61,9 +68,7 @@ fn names(found: &SmallFinding) -> Vec<&str> {
 #[test]
 fn dry_friction_of_a_drive_is_named_and_measured() {
     let place = Place::new(DRIVE, &drive(5.0, 1), &drive(5.0, 2));
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
-    let found = place.finding();
+    let (found, text) = place.diagnosed(0);
     assert_eq!(found.finding.verdict, VerdictName::Named, "{text}");
     assert_eq!(names(&found), ["coulomb_friction"]);
     let force = &found.finding.effects[0].parameters["force"];
@@ -91,31 +96,24 @@ fn dry_friction_of_a_drive_is_named_and_measured() {
         place.file("model.toml"),
     )
     .unwrap();
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
-    assert_eq!(
-        place.finding().finding.verdict,
-        VerdictName::NothingMissing,
-        "{text}"
-    );
+    let (found, text) = place.diagnosed(0);
+    assert_eq!(found.finding.verdict, VerdictName::NothingMissing, "{text}");
 }
 
 #[test]
 fn nothing_is_named_where_nothing_is_hidden() {
     for seed in 10..13 {
         let place = Place::new(DRIVE, &drive(0.0, seed), &drive(0.0, seed + 100));
-        let (code, text) = place.run("diagnose", &[]);
-        assert_eq!(code, 0, "{text}");
+        let (found, text) = place.diagnosed(0);
         assert_eq!(
-            place.finding().finding.verdict,
+            found.finding.verdict,
             VerdictName::NothingMissing,
             "seed {seed}: {text}"
         );
         let place = Place::new(CONTACT, &contact(false, seed), &contact(false, seed + 100));
-        let (code, text) = place.run("diagnose", &[]);
-        assert_eq!(code, 0, "{text}");
+        let (found, text) = place.diagnosed(0);
         assert_eq!(
-            place.finding().finding.verdict,
+            found.finding.verdict,
             VerdictName::NothingMissing,
             "seed {seed}: {text}"
         );
@@ -125,21 +123,14 @@ fn nothing_is_named_where_nothing_is_hidden() {
         &pendulum(0.06, 0.0, 0.0, 1),
         &pendulum(0.06, 0.0, 0.0, 2),
     );
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
-    assert_eq!(
-        place.finding().finding.verdict,
-        VerdictName::NothingMissing,
-        "{text}"
-    );
+    let (found, text) = place.diagnosed(0);
+    assert_eq!(found.finding.verdict, VerdictName::NothingMissing, "{text}");
 }
 
 #[test]
 fn hysteresis_of_a_contact_is_named() {
     let place = Place::new(CONTACT, &contact(true, 1), &contact(true, 2));
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
-    let found = place.finding();
+    let (found, text) = place.diagnosed(0);
     assert_eq!(names(&found), ["acceleration_hysteresis"], "{text}");
     let rmse = found.small_plant.steps[1].held_out.rmse;
     assert!((0.04..0.07).contains(&rmse), "noise is 0.05: {rmse}");
@@ -149,9 +140,7 @@ fn hysteresis_of_a_contact_is_named() {
 fn dry_friction_and_quadratic_drag_of_a_pendulum_are_named() {
     let swing = |seed| pendulum(0.0, 0.4, 0.03, seed);
     let place = Place::new(PENDULUM, &swing(1), &swing(2));
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
-    let found = place.finding();
+    let (found, text) = place.diagnosed(0);
     let mut named = names(&found);
     named.sort_unstable();
     assert_eq!(named, ["coulomb_friction", "quadratic_drag"], "{text}");
@@ -174,9 +163,7 @@ fn an_encoder_off_the_axis_of_a_pendulum_is_named() {
     let off = 0.004;
     let swing = |seed| pendulum_read(0.06, 0.0, 0.0, seed, off);
     let place = Place::new(PENDULUM, &swing(1), &swing(2));
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
-    let found = place.finding();
+    let (found, text) = place.diagnosed(0);
     assert_eq!(names(&found), ["encoder_eccentricity"], "{text}");
     let cosine = &found.finding.effects[0].parameters["cosine"];
     assert!((cosine.value / off - 1.0).abs() < 0.1, "{cosine:?}");
@@ -210,9 +197,8 @@ fn what_a_joint_needs_beside_its_model_is_named() {
             &balance(torque, seed),
             &balance(torque, seed + 100),
         );
-        let (code, text) = place.run("diagnose", &[]);
-        assert_eq!(code, 0, "{text}");
-        assert_eq!(names(&place.finding()), *expected, "{text}");
+        let (found, text) = place.diagnosed(0);
+        assert_eq!(names(&found), *expected, "{text}");
     }
 }
 
@@ -228,9 +214,7 @@ fn friction_of_an_arm_that_a_motor_turns_is_named_from_its_voltage_and_angle() {
     for (at, (expected, friction)) in hidden.into_iter().enumerate() {
         let seed = 60 + at as u64;
         let place = Place::new(ARM, &arm(friction, seed), &arm(friction, seed + 100));
-        let (code, text) = place.run("diagnose", &[]);
-        assert_eq!(code, 0, "{text}");
-        let found = place.finding();
+        let (found, text) = place.diagnosed(0);
         assert_eq!(names(&found), *expected, "{text}");
         assert!(text.contains("read off every 0.00"), "{text}");
         let steps = &found.small_plant.steps;
@@ -246,13 +230,8 @@ fn what_no_effect_is_like_is_not_named_after_one() {
     ];
     for torque in hidden {
         let place = Place::new(BALANCE, &balance(torque, 60), &balance(torque, 61));
-        let (code, text) = place.run("diagnose", &[]);
-        assert_eq!(code, 1, "{text}");
-        assert_eq!(
-            place.finding().finding.verdict,
-            VerdictName::NotInCatalogue,
-            "{text}"
-        );
+        let (found, text) = place.diagnosed(1);
+        assert_eq!(found.finding.verdict, VerdictName::NotInCatalogue, "{text}");
     }
 }
 

@@ -41,9 +41,7 @@ fn suspecting(model: &str, hidden: fn(f64, f64, f64, f64, f64) -> f64, suspects:
 #[test]
 fn a_suspect_that_is_what_is_missing_is_named_and_its_model_lacks_nothing() {
     let place = suspecting(BALANCE, bump, &[slow_resonance(), RIPPLE]);
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
-    let found = place.finding();
+    let (found, text) = place.diagnosed(0);
     assert_eq!(found.finding.verdict, VerdictName::Named, "{text}");
     assert_eq!(names(&found), ["slow_resonance"], "{text}");
     let numbers = &found.finding.effects[0].parameters;
@@ -54,31 +52,23 @@ fn a_suspect_that_is_what_is_missing_is_named_and_its_model_lacks_nothing() {
     let amended = fs::read_to_string(place.file("out").join("model.amended.toml")).unwrap();
     assert!(amended.contains("name = \"slow_resonance\""), "{amended}");
     let again = Place::new(&amended, &balance(bump, 73), &balance(bump, 74));
-    let (code, text) = again.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
-    assert_eq!(
-        again.finding().finding.verdict,
-        VerdictName::NothingMissing,
-        "{text}"
-    );
+    let (found, text) = again.diagnosed(0);
+    assert_eq!(found.finding.verdict, VerdictName::NothingMissing, "{text}");
 }
 
 #[test]
 fn a_phase_is_found_from_wherever_it_starts() {
     let hidden = |q: f64, _: f64, _: f64, _: f64, _: f64| -0.8 * (9.0 * q - 4.0).cos();
     let place = suspecting(BALANCE, hidden, &[slow_resonance(), RIPPLE]);
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
-    assert_eq!(names(&place.finding()), ["nine_teeth"], "{text}");
+    let (found, text) = place.diagnosed(0);
+    assert_eq!(names(&found), ["nine_teeth"], "{text}");
 }
 
 #[test]
 fn suspects_that_are_not_missing_are_not_named_beside_what_is() {
     let hidden = |_: f64, rate: f64, _: f64, _: f64, _: f64| 0.6 * rate.signum();
     let place = suspecting(BALANCE, hidden, &[slow_resonance(), RIPPLE]);
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
-    let found = place.finding();
+    let (found, text) = place.diagnosed(0);
     assert_eq!(names(&found), ["coulomb_friction"], "{text}");
     let ranking = &found.finding.ranking;
     assert!(ranking.iter().any(|one| one.name == "nine_teeth"), "{text}");
@@ -95,10 +85,9 @@ fn a_suspect_of_many_numbers_does_not_pass_for_a_sum_of_plain_effects() {
         0.6 * (1.0 + 0.8 * time / 25.0) * rate.signum()
     };
     let place = suspecting(BALANCE, hidden, &[onset]);
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 0, "{text}");
+    let (found, text) = place.diagnosed(0);
     assert_eq!(
-        names(&place.finding()),
+        names(&found),
         ["coulomb_friction", "friction_wear"],
         "{text}"
     );
@@ -107,13 +96,8 @@ fn a_suspect_of_many_numbers_does_not_pass_for_a_sum_of_plain_effects() {
 #[test]
 fn a_suspicion_that_is_wrong_leaves_the_verdict_open() {
     let place = suspecting(BALANCE, bump, &[RIPPLE]);
-    let (code, text) = place.run("diagnose", &[]);
-    assert_eq!(code, 1, "{text}");
-    assert_eq!(
-        place.finding().finding.verdict,
-        VerdictName::NotInCatalogue,
-        "{text}"
-    );
+    let (found, text) = place.diagnosed(1);
+    assert_eq!(found.finding.verdict, VerdictName::NotInCatalogue, "{text}");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 use workbench::component::{self, Component};
 use zip::ZipArchive;
 
-use crate::common::{compiled, pack, stickslip, wrapper_library};
+use crate::common::{compiled, library as built_library, pack, stickslip};
 
 const DESCRIPTION: &str = include_str!("spring.xml");
 
@@ -74,7 +74,7 @@ impl Place {
             "--out",
             out.to_str().unwrap(),
             "--library",
-            &wrapper_library(),
+            &built_library("stickslip_wrapper"),
         ])
     }
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path as FilePath
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pandas
 
 from . import _native, _tables
-from ._jobs import Interrupted, finish
+from ._jobs import Interrupted, finish_in
 from ._map import Span, _text
 from ._rig import Rig
 from ._tables import Path
@@ -133,13 +132,13 @@ def ensemble(
     """
     spans = (_text(speed_rpm), _text(normal_force), normal_force_1)
     drawn = (list(draw), list((uncertain or {}).items()))
-    with tempfile.TemporaryDirectory(prefix="stickslip-") as place:
-        folder = FilePath(out) if out is not None else FilePath(place)
-        job = _native.ensemble(rig._native, spans, (runs, seed), drawn, (duration, tolerance), threads, folder)
-        ended = finish(job, "ensemble", "run", progress)
+
+    def begin(folder: FilePath) -> _native.Job:
+        return _native.ensemble(rig._native, spans, (runs, seed), drawn, (duration, tolerance), threads, folder)
+
+    ended, kept = finish_in(out, begin, "ensemble", progress)
     made, is_complete = _made(ended.result)
     if ended.is_interrupted or not is_complete:
-        kept = f"kept in {out}: the same call goes on from there" if out is not None else "kept as `partial`"
         raise Interrupted(f"interrupted; {len(made.rigs)} finished rigs are {kept}", made)
     return made
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import tempfile
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path as FilePath
 from typing import Any
 
 from . import _native
 from ._native import InputError
+from ._tables import Path
 
 # Seconds between two looks at the work.
 _INTERVAL = 0.1
@@ -79,6 +83,15 @@ def finish(job: _native.Job, title: str, unit: str, progress: bool) -> Ended:
             pass
         return Ended(job.result(), is_interrupted=True)
     return Ended(job.result(), is_interrupted=False)
+
+
+def finish_in(out: Path | None, begin: Callable[[FilePath], _native.Job], title: str, progress: bool) -> tuple[Ended, str]:
+    """Runs whose finished ones are kept in a folder, if one is given: how they ended, and where they are if in the middle."""
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as place:
+        folder = FilePath(out) if out is not None else FilePath(place)
+        ended = finish(begin(folder), title, "run", progress)
+    kept = f"kept in {out}: the same call goes on from there" if out is not None else "kept as `partial`"
+    return ended, kept
 
 
 def _bar(title: str, unit: str, progress: bool) -> Any:

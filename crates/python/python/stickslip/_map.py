@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
 from html import escape
 from pathlib import Path as FilePath
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import pandas
 
 from . import _native, _tables
-from ._jobs import Interrupted, finish
+from ._jobs import Interrupted, finish_in
 from ._native import InputError
 from ._rig import Rig
 from ._tables import Path
@@ -128,13 +127,13 @@ def map(
         None if normal_force_1 is None else _text(normal_force_1),
         [(name, _text(span)) for name, span in (vary or {}).items()],
     )
-    with tempfile.TemporaryDirectory(prefix="stickslip-") as place:
-        folder = FilePath(out) if out is not None else FilePath(place)
-        job = _native.map(rig._native, spans, duration, tolerance, threads, folder)
-        ended = finish(job, "map", "run", progress)
+
+    def begin(folder: FilePath) -> _native.Job:
+        return _native.map(rig._native, spans, duration, tolerance, threads, folder)
+
+    ended, kept = finish_in(out, begin, "map", progress)
     made, is_complete = _made(ended.result)
     if ended.is_interrupted or not is_complete:
-        kept = f"kept in {out}: the same call goes on from there" if out is not None else "kept as `partial`"
         raise Interrupted(f"interrupted; {len(made.frame)} finished runs are {kept}", made)
     return made
 

@@ -24,10 +24,10 @@ use self::judge::{Judgement, judge};
 use self::reliability::{Bin, bins};
 use self::table::{Line, confusion, lines, to_markdown};
 use super::amend;
-use super::command::compared;
 use super::finding::{FILE, Finding};
 use super::material::CaseArguments;
 use super::naming;
+use super::session::compared;
 use super::small_plant::command::{self as small_plant, Stage};
 use super::supposed;
 use crate::cli::Outcome;
@@ -100,11 +100,7 @@ pub fn command(arguments: &ScoreArguments) -> anyhow::Result<Outcome> {
     )?;
     bar.finish_and_clear();
     print!("{}", scored.markdown);
-    Ok(if scored.is_passed {
-        Outcome::Done
-    } else {
-        Outcome::CheckFailed
-    })
+    Ok(Outcome::of(scored.is_passed))
 }
 
 /// What is to be scored and how.
@@ -159,7 +155,7 @@ pub struct Scored {
 /// There are no answers, or results cannot be written.
 pub fn score(scoring: &Scoring<'_>, tell: &(dyn Fn(Step<'_>) + Sync)) -> anyhow::Result<Scored> {
     let supposed = match scoring.catalogue {
-        Some(directory) => supposed::names(&supposed::files(directory)?),
+        Some(directory) => supposed::names(&supposed::files(directory)?)?,
         None => Vec::new(),
     };
     let mut answers = Answer::read_all(scoring.cases)?;

@@ -243,7 +243,10 @@ pub fn load(
 }
 
 /// The effects that files of the user's describe, on the plant of `model`.
-fn supposed(
+///
+/// # Errors
+/// A file is wrong, or such a plant cannot have its effect.
+pub fn supposed(
     material: &Material,
     model: &SmallModel,
 ) -> Result<Vec<&'static Entry>, SmallCaseError> {
@@ -254,17 +257,17 @@ fn supposed(
             let entry = described.entry(file, kind, path)?;
             let earlier = all.iter().find(|(_, other)| other.name == entry.name);
             let taken = match earlier {
-                Some((earlier, _)) => Some(format!("{earlier} has an effect of this name")),
+                Some((earlier, _)) => Some(format!("{earlier} has an effect of this name; give one of them another")),
                 None if entry.needs_load && model.columns.load.is_none() => {
-                    Some("it depends on the load, and [columns] of the model has none".to_owned())
+                    Some("it depends on the load, and [columns] of the model has none; add a line for load".to_owned())
                 }
                 None if model.model.has(entry.name) => {
-                    Some("the model has an effect of this name already".to_owned())
+                    Some("the model has an effect of this name already; give it another".to_owned())
                 }
                 None => CATALOGUE
                     .iter()
                     .any(|own| own.name == entry.name)
-                    .then(|| "the catalogue has an effect of this name".to_owned()),
+                    .then(|| "the catalogue has an effect of this name; give it another".to_owned()),
             };
             if let Some(taken) = taken {
                 return Err(SmallCaseError::Usage(format!(

@@ -117,11 +117,7 @@ pub fn run(
         Stage::Locate => found.finding.verdict == VerdictName::NothingMissing,
         Stage::Amend(_) => true,
     };
-    let outcome = if settled {
-        Outcome::Done
-    } else {
-        Outcome::CheckFailed
-    };
+    let outcome = Outcome::of(settled);
     Ok((outcome, screen(&case.name, &found)))
 }
 

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::Deserialize;
-use stickslip::expression::FUNCTIONS;
+use stickslip::expression::check_name;
 use stickslip::parameter::Range;
+use stickslip::plant::MOST_EFFECT_PARAMETERS;
 use toml::Value;
 
 use super::equation::{LOAD, TIME, compile, quantities, uses};
@@ -14,10 +15,6 @@ use super::model_file::SmallModelError;
 use super::term::{Entry, Formula, Parameter, Role};
 use super::unit::{Dimension, Kind, Path};
 
-/// Most numbers of an effect, as on the rigs.
-const MOST_NUMBERS: usize = 6;
-/// Longest name, in characters.
-const LONGEST_NAME: usize = 40;
 /// Ports, and what an effect there is.
 const PORTS: [(&str, Role); 2] = [
     ("plant.force", Role::Added),
@@ -114,11 +111,13 @@ impl Described {
     /// # Errors
     /// What is wrong with it, or why such a plant cannot have it.
     pub fn entry(&self, file: &str, kind: Kind, path: Path) -> Result<Entry, SmallModelError> {
-        let expected =
-            "small letters, digits and _, a letter first, 40 at most, and no word of equations";
-        if !is_name(&self.name) {
-            return Err(self.wrong(file, "name", &format!("{:?}", self.name), expected));
-        }
+        let quantities = quantities(kind, path);
+        let coordinates: Vec<&str> = quantities.iter().map(|own| own.name).collect();
+        let check = |key: &str, name: &str| {
+            let checked = check_name(name, &coordinates);
+            checked.map_err(|expected| self.wrong(file, key, &format!("{name:?}"), expected))
+        };
+        check("name", &self.name)?;
         let Some((_, role)) = PORTS.into_iter().find(|(port, _)| *port == self.port) else {
             let ports = PORTS.map(|(port, _)| port).join(" or ");
             let expected = format!("{ports} on a {}", kind.word());
@@ -135,17 +134,14 @@ impl Described {
             let found = format!("{:?}", self.path.as_deref().unwrap_or_default());
             return Err(self.wrong(file, "path", &found, &expected));
         }
-        if self.parameters.is_empty() || self.parameters.len() > MOST_NUMBERS {
+        if self.parameters.is_empty() || self.parameters.len() > MOST_EFFECT_PARAMETERS {
             let count = self.parameters.len().to_string();
-            let expected = format!("from 1 to {MOST_NUMBERS} of them");
+            let expected = format!("from 1 to {MOST_EFFECT_PARAMETERS} of them");
             return Err(self.wrong(file, "parameters", &count, &expected));
         }
         let mut parameters: Vec<Parameter> = Vec::new();
         for (key, number) in &self.parameters {
-            let is_coordinate = quantities(kind, path).iter().any(|own| own.name == key);
-            if !is_name(key) || is_coordinate {
-                return Err(self.wrong(file, "parameters", &format!("{key:?}"), expected));
-            }
+            check("parameters", key)?;
             parameters.push(self.parameter(file, key, number, path)?);
         }
         let operations = compile(&self.equation, &parameters, kind, path).map_err(|error| {
@@ -195,11 +191,12 @@ impl Described {
             let found = format!("{:?}", number.unit);
             self.wrong(file, &key_of("unit"), &found, &format!("a unit: {error}"))
         })?;
-        let range = range(number.range.as_ref()).ok_or_else(|| {
-            let found = number.range.as_ref().map(Value::to_string);
-            let expected = "\"any\", \"positive\", \"non-negative\" or [lowest, highest]";
-            self.wrong(file, &key_of("range"), &found.unwrap_or_default(), expected)
-        })?;
+        let range = match &number.range {
+            None => Range::Finite,
+            Some(value) => Range::read(value).ok_or_else(|| {
+                self.wrong(file, &key_of("range"), &value.to_string(), Range::WRITTEN)
+            })?,
+        };
         if let Some(value) = number.value.filter(|value| !range.contains(*value)) {
             let expected = range.to_string();
             return Err(self.wrong(file, &key_of("value"), &value.to_string(), &expected));
@@ -267,52 +264,17 @@ pub fn section(term: &Term, kind: Kind, path: Path, more: &dyn Fn(&str) -> Strin
         entry.equation().unwrap_or_default()
     );
     for (own, value) in entry.parameters.iter().zip(&term.values) {
-        let range = match own.range {
-            Range::Finite => String::new(),
-            Range::Positive => ", range = \"positive\"".to_owned(),
-            Range::NonNegative => ", range = \"non-negative\"".to_owned(),
-            Range::Between(low, high) => format!(", range = [{low:?}, {high:?}]"),
-        };
         let _ = writeln!(
             text,
-            "parameters.{} = {{ value = {value:?}, unit = {:?}{range}, description = {:?}{} }}",
+            "parameters.{} = {{ value = {value:?}, unit = {:?}, range = {}, description = {:?}{} }}",
             own.key,
             own.dimension.unit(kind, path),
+            own.range.written(),
             own.description,
             more(own.key)
         );
     }
     text
-}
-
-fn range(value: Option<&Value>) -> Option<Range> {
-    let number = |value: &Value| value.as_float().or(value.as_integer().map(|n| n as f64));
-    match value {
-        None => Some(Range::Finite),
-        Some(Value::String(word)) => match word.as_str() {
-            "any" => Some(Range::Finite),
-            "positive" => Some(Range::Positive),
-            "non-negative" => Some(Range::NonNegative),
-            _ => None,
-        },
-        Some(Value::Array(list)) => match list.iter().map(number).collect::<Option<Vec<_>>>() {
-            Some(ends) if ends.len() == 2 && ends[0] < ends[1] => {
-                let is_finite = ends.iter().all(|end| end.is_finite());
-                is_finite.then(|| Range::Between(ends[0], ends[1]))
-            }
-            _ => None,
-        },
-        Some(_) => None,
-    }
-}
-
-fn is_name(name: &str) -> bool {
-    let is_letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-    name.starts_with(|c: char| c.is_ascii_lowercase())
-        && name.chars().all(is_letter)
-        && name.len() <= LONGEST_NAME
-        && name != "pi"
-        && !FUNCTIONS.contains(&name)
 }
 
 /// Text that lives as long as the program, as that of the built-in effects does: a case has a few hundred bytes of it.

@@ -187,8 +187,8 @@ pub fn name(
     }
 }
 
-/// Takes away, one by one, the effects whose size beside the others is not known to be other than none: together they draw a curve
-/// that none of them has alone, and no one of them can be named for it.
+/// Takes away, one by one, the effects whose size has zero in its 95 % interval beside the others: together they draw a curve that none
+/// of them has alone, and no one of them can be named for it.
 fn drop_unsized(problem: &dyn Problem, scales: &Scales, current: &mut Fit, kept: &mut Vec<Kept>) {
     while kept.len() > 1 {
         let known = intervals(problem, current, scales);

@@ -6,7 +6,8 @@ use super::motion::Scales;
 use super::term::{Entry, Sample};
 use super::unit::{Kind, Path};
 
-/// Share of its usual size at which a fit starts.
+/// Share of its usual size at which a fit starts: small enough to leave the model near the analyst's, large enough that the numbers that
+/// shape the effect have derivatives.
 const NEAR: f64 = 0.1;
 /// By how much beyond its root mean square a coordinate is looked at: the amplitude of a sine.
 const REACH: f64 = std::f64::consts::SQRT_2;

@@ -75,17 +75,17 @@ pub enum Role {
 /// Force [N, N m; of a pendulum or joint rad/s²] against the motion: parameters, moment, friction of the others at that moment.
 pub type Force = fn(&[f64], &Sample, f64) -> f64;
 
-/// Most operations of a short equation.
+/// Most operations of an equation whose values fit on the stack; every equation of the catalogue does.
 const SHORT: usize = 24;
 
-/// Whence a term's force comes.
+/// Where a term's force comes from.
 #[derive(Debug, Clone, Copy)]
 pub enum Formula {
     /// An equation.
     Equation {
         /// As written.
         text: &'static str,
-        /// As worked off.
+        /// As evaluated.
         operations: &'static [Operation],
     },
     /// Code.

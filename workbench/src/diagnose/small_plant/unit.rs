@@ -240,3 +240,11 @@ impl Dimension {
         }
     }
 }
+
+/// A unit without the signs by which writers differ: "N m" and "N.m" are one.
+#[must_use]
+pub fn plain(unit: &str) -> String {
+    unit.chars()
+        .filter(|c| !c.is_whitespace() && *c != '.')
+        .collect()
+}

@@ -12,9 +12,9 @@ use crate::component::{
 };
 use crate::diagnose::small_plant::base::PARAMETERS;
 use crate::diagnose::small_plant::columns::Quantity;
-use crate::diagnose::small_plant::model_file::{SmallModel, plain};
+use crate::diagnose::small_plant::model_file::SmallModel;
 use crate::diagnose::small_plant::term::Parameter;
-use crate::diagnose::small_plant::unit::{Dimension, Path};
+use crate::diagnose::small_plant::unit::{Dimension, Path, plain};
 
 /// An FMU and what its ports are.
 #[derive(Debug, Clone)]
