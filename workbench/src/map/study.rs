@@ -96,7 +96,7 @@ impl<'a, S: Study> Work<'a, S> {
         self.journal.path().to_owned()
     }
 
-    /// Makes the runs that are missing, as [`run_rows`] does, and writes what the complete study comes to.
+    /// Makes the runs that are missing, row by row on all cores, and writes what the complete study comes to.
     ///
     /// # Errors
     /// Where a file cannot be written or the threads not be started.
