@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use anyhow::Context;
 use build_fmu::explain::explain;
 
 use super::arguments::ClosedLoopArguments;
@@ -122,7 +123,8 @@ fn identity(arguments: &ClosedLoopArguments) -> anyhow::Result<String> {
     );
     for path in std::iter::once(&arguments.rig).chain(&arguments.controller) {
         // An FMU's bytes are no text; its sum of bytes with its length tells it well enough apart.
-        let bytes = fs::read(path)?;
+        let bytes =
+            fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
         let sum = bytes.iter().fold(0_u64, |sum, byte| {
             (sum ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
         });
