@@ -1,5 +1,6 @@
 //! From a `model.toml` and a library to FMUs on disk.
 
+use std::fmt;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -94,8 +95,23 @@ pub struct Built {
     pub size: usize,
     /// The version of the standard that it follows.
     pub version: FmiVersion,
+    /// The platforms that it has a library for.
+    pub platforms: Vec<Platform>,
     /// Why there are no reference results in it, where none could be had.
     pub without_reference: Option<String>,
+}
+
+/// File, size and platforms, for people.
+impl fmt::Display for Built {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let platforms: Vec<_> = self
+            .platforms
+            .iter()
+            .map(|platform| platform.name())
+            .collect();
+        let (path, size) = (self.path.display(), self.size.div_ceil(1024));
+        write!(f, "{path} ({size} KiB; {})", platforms.join(", "))
+    }
 }
 
 impl Source {
@@ -254,6 +270,7 @@ impl Source {
             path,
             size: bytes.len(),
             version,
+            platforms: libraries.iter().map(|library| library.platform).collect(),
             without_reference,
         })
     }

@@ -93,16 +93,10 @@ fn remedy(platform: Platform, looked_for: &[PathBuf]) -> String {
              with --library"
         );
     }
-    match platform {
-        Platform::Darwin64 | Platform::DarwinAarch64 => {
-            "Build it on macOS (`cargo build --release`) and name it with --library".to_owned()
-        }
-        _ => format!(
-            "In the source tree `build-fmu/platforms/build {platform}` makes it, after \
-             `build-fmu/platforms/setup {platform}` has installed what that needs; one built elsewhere is named with \
-             --library"
-        ),
-    }
+    format!(
+        "In the source tree `build-fmu/platforms/build {platform}` makes it, after `build-fmu/platforms/setup {platform}` has \
+         installed what that needs; one built elsewhere is named with --library"
+    )
 }
 
 /// Library of rigs and controllers, as the build calls it.
@@ -133,17 +127,31 @@ pub fn find(named: Option<&Path>) -> Result<Library, LibraryError> {
 }
 
 /// The libraries to pack: those `named`, and for each further one of `platforms` the prebuilt one; without either the
-/// one for this machine. In the order of [`Platform`].
+/// one for this machine and every prebuilt one that is there. In the order of [`Platform`].
 ///
 /// A prebuilt library lies in `platforms/NAME/` beside the running program, or, for this machine, beside it.
 ///
 /// # Errors
 /// [`LibraryError`] if one is missing or for another platform, or if two are for the same.
 pub fn select(platforms: &[Platform], named: &[PathBuf]) -> Result<Vec<Library>, LibraryError> {
-    select_called(PLANT, platforms, named)
+    let mut libraries = select_called(PLANT, platforms, named)?;
+    if platforms.is_empty() && named.is_empty() {
+        for platform in Platform::ALL {
+            match prebuilt(platform, PLANT) {
+                Ok(library) if libraries.iter().all(|other| other.platform != platform) => {
+                    libraries.push(library);
+                }
+                Ok(_) | Err(LibraryError::NotFound { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        libraries.sort_by_key(|library| library.platform);
+    }
+    Ok(libraries)
 }
 
-/// The same for the libraries of an FMU around an FMU.
+/// The same for the libraries of an FMU around an FMU, which has no other platforms than the one inside: without names, the one for
+/// this machine only.
 ///
 /// # Errors
 /// As [`select`].

@@ -150,6 +150,63 @@ def test_all_platforms_give_the_same_numbers(folder, version, model):
         assert max(differences) <= 1e-12
 
 
+# Mach-O: processors, kind of file and load commands.
+PROCESSORS = {"darwin64": 0x01000007, "aarch64-darwin": 0x0100000C}
+DYNAMIC_LIBRARY, LOAD, NAME, SIGNATURE, BUILD_VERSION = 6, 0xC, 0xD, 0x1D, 0x32
+
+
+def load_commands(content):
+    """Processor, kind and load commands of a library for macOS."""
+    magic, processor, _, kind, count, *_ = struct.unpack_from("<8I", content)
+    assert magic == 0xFEEDFACF
+    commands, place = [], 32
+    for _ in range(count):
+        command, size = struct.unpack_from("<2I", content, place)
+        commands.append((command, content[place : place + size]))
+        place += size
+    return processor, kind, commands
+
+
+def text_of(command):
+    return command[struct.unpack_from("<I", command, 8)[0] :].split(b"\0")[0].decode()
+
+
+@pytest.mark.parametrize("platform", PROCESSORS)
+def test_libraries_for_macos_have_the_right_headers_and_were_never_run(platform, tmp_path):
+    """All functions of the standard are there, or build-fmu would refuse."""
+    if not (PROGRAMS / "platforms" / platform).exists():
+        pytest.skip(f"build-fmu/platforms/build {platform} did not work here")
+    command = [PROGRAMS / "build-fmu", ROOT / "modelDescription/reduced-rig.toml", "--platform", platform]
+    said = subprocess.run([*command, "--out", tmp_path], check=True, capture_output=True, text=True).stdout
+    assert said.count(f"; {platform})") == 2, said
+    for version, folder in (("2", platform), ("3", platform.replace("darwin64", "x86_64-darwin"))):
+        with zipfile.ZipFile(tmp_path / f"ReducedRig.fmi{version}.fmu") as archive:
+            content = archive.read(f"binaries/{folder}/ReducedRig.dylib")
+            packed = sum(entry.compress_size for entry in archive.infolist())
+        assert packed <= 900 * 1024
+        processor, kind, commands = load_commands(content)
+        assert (processor, kind) == (PROCESSORS[platform], DYNAMIC_LIBRARY)
+        assert [text_of(c) for number, c in commands if number == LOAD] == ["/usr/lib/libSystem.B.dylib"]
+        assert [text_of(c) for number, c in commands if number == NAME] == ["@rpath/fmu.dylib"]
+        oldest = [struct.unpack_from("<2I", c, 8) for number, c in commands if number == BUILD_VERSION]
+        assert oldest == [(1, 11 << 16)], "macOS 11"
+        if platform == "aarch64-darwin":
+            assert [number for number, _ in commands].count(SIGNATURE) == 1, "that system loads nothing unsigned"
+
+
+def test_without_names_all_that_are_there_are_packed(tmp_path):
+    for name in ("build-fmu", "libstickslip.so"):
+        shutil.copy(PROGRAMS / name, tmp_path)
+    for platform in PLATFORMS:
+        shutil.copytree(PROGRAMS / "platforms" / platform, tmp_path / "platforms" / platform)
+    command = [tmp_path / "build-fmu", ROOT / "modelDescription/reduced-rig.toml", "--fmi", "3", "--out", tmp_path]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    with zipfile.ZipFile(tmp_path / "ReducedRig.fmi3.fmu") as archive:
+        found = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
+    assert found == {FOLDERS[name]["3"] for name in PLATFORMS}
+    assert all(name in said for name in PLATFORMS), said
+
+
 def test_a_missing_platform_is_told_with_the_command_that_makes_it(tmp_path):
     shutil.copy(PROGRAMS / "build-fmu", tmp_path)
     shutil.copy(PROGRAMS / "libstickslip.so", tmp_path)

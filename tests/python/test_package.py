@@ -201,6 +201,21 @@ def test_library_beside_the_program_is_enough(tmp_path):
     assert (tmp_path / "out" / "ReducedRig.fmi2.fmu").is_file()
 
 
+def test_what_lies_among_the_platforms_is_packed_or_refused_without_being_named(tmp_path):
+    for name in ("build-fmu", "libstickslip.so"):
+        (tmp_path / name).write_bytes((PROGRAMS / name).read_bytes())
+    (tmp_path / "build-fmu").chmod(0o755)
+    spoiled = tmp_path / "platforms" / "win64" / "stickslip.dll"
+    spoiled.parent.mkdir(parents=True)
+    spoiled.write_text("no library")
+    command = [tmp_path / "build-fmu", MODELS["ReducedRig"], "--out", tmp_path / "out"]
+    result = subprocess.run(command, capture_output=True, text=True)
+    assert result.returncode == 2 and str(spoiled) in result.stderr
+    spoiled.unlink()
+    result = subprocess.run(command, capture_output=True, text=True)
+    assert result.returncode == 0 and result.stdout.count(" KiB; linux64)") == 2
+
+
 def test_foreign_library_is_refused(tmp_path):
     foreign = pathlib.Path(fmpy.__file__).parent / "sundials" / "x86_64-linux" / "sundials_core.so"
     result = subprocess.run(

@@ -119,17 +119,17 @@ struct SystemArguments {
 /// What is packed for which platform.
 #[derive(Debug, Args)]
 struct Binaries {
-    /// Pack the library for this platform; may be repeated [default: that of this machine].
+    /// Pack the library for this platform; may be repeated [default: all that are there].
     #[arg(
         long = "platform",
         value_name = "PLATFORM",
-        long_help = "Pack the library for this platform; may be repeated [default: that of this machine].\n\
+        long_help = "Pack the library for this platform; may be repeated [default: this machine and all that are there].\n\
                        linux64, win64, aarch64-linux, darwin64, aarch64-darwin, or the names of FMI 3 \
                        (x86_64-windows). Looked for in platforms/PLATFORM/ beside this program, where \
                        `build-fmu/platforms/build PLATFORM` in the source tree puts it"
     )]
     platforms: Vec<Platform>,
-    /// A library to pack, for the platform that its header names; may be repeated [default: the one beside this program].
+    /// A library to pack, for the platform that its header names; may be repeated [default: those beside this program].
     #[arg(long = "library", value_name = "PATH")]
     libraries: Vec<PathBuf>,
 }
@@ -287,11 +287,7 @@ fn build(arguments: &Arguments) -> anyhow::Result<()> {
     let libraries = library::select(&arguments.binaries.platforms, &arguments.binaries.libraries)?;
     for version in versions {
         let built = source.build(&libraries, version, folder)?;
-        println!(
-            "{} ({} KiB)",
-            built.path.display(),
-            built.size.div_ceil(1024)
-        );
+        println!("{built}");
         if let Some(reason) = built.without_reference {
             println!("  without reference results: {reason}");
         }

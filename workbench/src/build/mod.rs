@@ -27,10 +27,10 @@ pub struct BuildArguments {
     #[arg(long, value_enum, value_name = "VERSION")]
     pub fmi: Option<Version>,
     /// Pack the library for this platform (`linux64`, `win64`, `aarch64-linux`, …) from `platforms/` beside this
-    /// program; may be repeated. Without it that of this machine.
+    /// program; may be repeated. Without it that of this machine, and for rigs and controllers all that are there.
     #[arg(long = "platform", value_name = "PLATFORM")]
     pub platforms: Vec<Platform>,
-    /// A library to pack, for the platform that its header names; may be repeated. Without it the one beside this program.
+    /// A library to pack, for the platform that its header names; may be repeated. Without it those beside this program.
     #[arg(long = "library", value_name = "FILE")]
     pub libraries: Vec<PathBuf>,
 }
@@ -63,11 +63,7 @@ pub fn command(arguments: &BuildArguments) -> anyhow::Result<Outcome> {
     };
     for version in versions {
         let built = source.build(&libraries, version, &arguments.out)?;
-        println!(
-            "{} ({} KiB)",
-            built.path.display(),
-            built.size.div_ceil(1024)
-        );
+        println!("{built}");
         if let Some(reason) = built.without_reference {
             println!("  without reference results: {reason}");
         }

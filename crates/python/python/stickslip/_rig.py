@@ -317,7 +317,7 @@ class Rig:
         out : str or path
             Folder for the FMUs; made if it is missing.
         platforms : iterable of str
-            Platforms whose binaries are packed: ``linux64``, ``aarch64-linux``, ``win64``; without any that of this machine.
+            Platforms whose binaries are packed: ``linux64``, ``aarch64-linux``, ``win64``; without any all that the package has.
         fmi : int, optional
             Version of the standard, 2 or 3; both if not given.
         libraries : iterable of str or path
