@@ -1,5 +1,6 @@
 //! An instance: a model with its phase, its log and its place in time, the same for both standards.
 
+use super::fmi3::IntermediateUpdate;
 use super::handles::Registry;
 use super::log::Log;
 use super::status::{Interface, Outcome, Phase, Phases, Refusal, Status};
@@ -34,13 +35,16 @@ pub(super) struct Instance {
     pub(super) event_mode_used: bool,
     /// FMI 3: whether a step may end before its end.
     pub(super) early_return_allowed: bool,
+    /// FMI 3: whom to show the instants of switches inside a step.
+    pub(super) intermediate_update: Option<IntermediateUpdate>,
     /// Status of the last step.
     pub(super) last_step: Status,
     /// Handles of the states saved through this instance; they end with it.
     pub(super) saved_states: Vec<*mut c_void>,
 }
 
-// SAFETY: the pointers are handles of the registry of saved states, which are numbers.
+// SAFETY: the pointers are handles of the registry of saved states, which are numbers, and the importer's environment, which is
+// only handed back.
 unsafe impl Send for Instance {}
 
 impl Instance {
@@ -58,6 +62,7 @@ impl Instance {
             exchange,
             event_mode_used: false,
             early_return_allowed: false,
+            intermediate_update: None,
             last_step: Status::Ok,
             saved_states: Vec::new(),
         }
@@ -180,10 +185,16 @@ impl Instance {
                 "the step to {until} s would pass the stop time {stop} s that was set before the simulation"
             )));
         }
-        self.last_step = Status::Error;
         // A tiny step from a point that lies a rounding error behind must not go back.
-        let until = until.max(self.time);
-        let end = match self.model.step(until, self.early_return_allowed) {
+        self.advance(until.max(self.time))
+    }
+
+    /// Goes on to `until` \[s\], or to the first switch where somebody wants to know of it.
+    #[inline]
+    pub(super) fn advance(&mut self, until: f64) -> Result<StepEnd, Refusal> {
+        self.last_step = Status::Error;
+        let stop_at_switch = self.early_return_allowed || self.intermediate_update.is_some();
+        let end = match self.model.step(until, stop_at_switch) {
             Ok(end) => end,
             Err(error) => {
                 self.time = self.model.time();

@@ -25,7 +25,7 @@ pub(super) enum Interface {
 
 /// Where in its life an instance is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
+#[repr(u16)]
 pub(super) enum Phase {
     Instantiated = 1 << 0,
     Configuration = 1 << 1,
@@ -38,9 +38,11 @@ pub(super) enum Phase {
     Failed = 1 << 6,
     /// Model exchange only.
     ContinuousTime = 1 << 7,
+    /// FMI 3 only: the importer's callback is looking at an instant inside a step.
+    IntermediateUpdate = 1 << 8,
 }
 
-const ALL_PHASES: [Phase; 8] = [
+const ALL_PHASES: [Phase; 9] = [
     Phase::Instantiated,
     Phase::Configuration,
     Phase::Initialization,
@@ -49,6 +51,7 @@ const ALL_PHASES: [Phase; 8] = [
     Phase::ContinuousTime,
     Phase::Terminated,
     Phase::Failed,
+    Phase::IntermediateUpdate,
 ];
 
 impl Phase {
@@ -66,6 +69,7 @@ impl Phase {
             (Self::Terminated, Interface::Fmi2) => "terminated",
             (Self::Terminated, Interface::Fmi3) => "Terminated",
             (Self::Failed, _) => "error",
+            (Self::IntermediateUpdate, _) => "Intermediate Update Mode",
         }
     }
 
@@ -73,6 +77,7 @@ impl Phase {
     fn exists(self, interface: Interface, exchange: bool) -> bool {
         match self {
             Self::Step => !exchange,
+            Self::IntermediateUpdate => !exchange && interface == Interface::Fmi3,
             Self::ContinuousTime => exchange,
             Self::Event => exchange || interface == Interface::Fmi3,
             Self::Configuration => interface == Interface::Fmi3,
@@ -89,7 +94,7 @@ impl Phase {
 
 /// A set of phases: those in which a function may be called.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Phases(u8);
+pub(super) struct Phases(u16);
 
 impl Phases {
     /// The set of these phases.
@@ -97,7 +102,7 @@ impl Phases {
         let mut set = 0;
         let mut place = 0;
         while place < phases.len() {
-            set |= phases[place] as u8;
+            set |= phases[place] as u16;
             place += 1;
         }
         Self(set)
@@ -106,7 +111,7 @@ impl Phases {
     /// Whether the phase belongs to the set.
     #[inline]
     pub(super) fn contains(self, phase: Phase) -> bool {
-        self.0 & phase as u8 != 0
+        self.0 & phase as u16 != 0
     }
 
     /// The standard's names of those phases that an instance of this kind can be in, for a message.
@@ -153,5 +158,6 @@ impl Refusal {
 /// Outcome of the body of an exported function.
 pub(super) type Outcome = Result<(), Refusal>;
 
-/// Every phase.
-pub(super) const ANY: Phases = Phases::of(&ALL_PHASES);
+/// Every phase, but not the middle of a step.
+pub(super) const ANY: Phases =
+    Phases(Phases::of(&ALL_PHASES).0 & !(Phase::IntermediateUpdate as u16));

@@ -38,6 +38,10 @@ pub struct Request {
     pub early_return: bool,
     /// Model exchange instead of co-simulation.
     pub exchange: bool,
+    /// FMI 3: what is shown switches inside a step.
+    pub intermediate_update: Option<fmi3::IntermediateUpdateCallback>,
+    /// FMI 3: value references of what it reads.
+    pub required: Vec<u32>,
 }
 
 impl Request {
@@ -91,11 +95,11 @@ impl Request {
                     logging.into(),
                     self.event_mode.into(),
                     self.early_return.into(),
-                    ptr::null(),
-                    0,
+                    self.required.as_ptr(),
+                    self.required.len(),
                     log.environment(),
                     Some(log::logger_3()),
-                    None,
+                    self.intermediate_update,
                 ),
             }
         };
@@ -142,6 +146,8 @@ impl Component {
             event_mode: false,
             early_return: false,
             exchange: false,
+            intermediate_update: None,
+            required: Vec::new(),
         }
     }
 
@@ -175,7 +181,7 @@ impl Component {
         self.instance(version, &request)
     }
 
-    fn instance(&self, version: Version, request: &Request) -> Instance<'_> {
+    pub fn instance(&self, version: Version, request: &Request) -> Instance<'_> {
         let (handle, log) = request.send(version);
         assert!(!handle.is_null(), "{:?}", log.take());
         Instance {

@@ -1,6 +1,7 @@
 //! Functions of FMI 3 that all interface types share, values apart.
 #![allow(non_snake_case, reason = "the standard names its functions so")]
 
+use super::do_step::IntermediateUpdate;
 use super::types::{
     Boolean, ClockUpdateCallback, Float64, Handle, IntermediateUpdateCallback, PreemptionCallback,
     Text, ValueReference,
@@ -25,6 +26,7 @@ const EVALUABLE: Phases = Phases::of(&[
     Phase::Step,
     Phase::Event,
     Phase::ContinuousTime,
+    Phase::IntermediateUpdate,
     Phase::Terminated,
 ]);
 
@@ -104,11 +106,11 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     logging_on: Boolean,
     event_mode_used: Boolean,
     early_return_allowed: Boolean,
-    _required_intermediate_variables: *const ValueReference,
+    required_intermediate_variables: *const ValueReference,
     required_intermediate_variable_count: usize,
     environment: *mut c_void,
     logger: Option<Fmi3Logger>,
-    _intermediate_update: Option<IntermediateUpdateCallback>,
+    intermediate_update: Option<IntermediateUpdateCallback>,
 ) -> Handle {
     let texts = [instance_name, token, resource_path];
     // SAFETY: the caller's promise about the pointers.
@@ -121,12 +123,17 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
             environment,
             logger,
             |instance| {
-                if required_intermediate_variable_count > 0 {
-                    return Err(format!(
-                        "nRequiredIntermediateVariables = {required_intermediate_variable_count}, but \
-                         providesIntermediateUpdate is false: it must be 0"
-                    ));
-                }
+                let required = input(
+                    required_intermediate_variables,
+                    required_intermediate_variable_count,
+                    "requiredIntermediateVariables",
+                );
+                instance.require_intermediate(required.map_err(|refusal| refusal.message)?)?;
+                instance.intermediate_update =
+                    intermediate_update.map(|callback| IntermediateUpdate {
+                        callback,
+                        environment,
+                    });
                 instance.event_mode_used = event_mode_used != 0;
                 instance.early_return_allowed = early_return_allowed != 0;
                 Ok(())

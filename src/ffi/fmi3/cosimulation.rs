@@ -1,4 +1,4 @@
-//! Functions of FMI 3 for co-simulation, and event mode.
+//! Functions of FMI 3 for co-simulation, and event mode; the step itself stands in [`do_step`](super::do_step).
 #![allow(non_snake_case, reason = "the standard names its functions so")]
 
 use super::types::{Boolean, Float64, ValueReference};
@@ -6,27 +6,11 @@ use crate::ffi::guard::exports;
 use crate::ffi::pointers::{input, output, place, same_length};
 use crate::ffi::status::{Interface, Phase, Phases, Refusal};
 
-const STEP: Phases = Phases::of(&[Phase::Step]);
 const EVENT: Phases = Phases::of(&[Phase::Event]);
 const CONTINUOUS_OR_STEP: Phases = Phases::of(&[Phase::Step, Phase::ContinuousTime]);
-const STEPPED: Phases = Phases::of(&[Phase::Step, Phase::Terminated]);
+const STEPPED: Phases = Phases::of(&[Phase::Step, Phase::IntermediateUpdate, Phase::Terminated]);
 
 exports! { Interface::Fmi3;
-    fn fmi3DoStep(|instance| point: Float64, size: Float64, _no_set_state_before_point: Boolean, event_handling_needed: *mut Boolean, terminate_simulation: *mut Boolean, early_return: *mut Boolean, last_successful_time: *mut Float64) in STEP => {
-        let mut event_handling_needed = place(event_handling_needed, "eventHandlingNeeded")?;
-        let mut terminate_simulation = place(terminate_simulation, "terminateSimulation")?;
-        let mut early_return = place(early_return, "earlyReturn")?;
-        let mut last_successful_time = place(last_successful_time, "lastSuccessfulTime")?;
-        let end = instance.do_step(point, size);
-        let event = end.as_ref().is_ok_and(|end| end.switched && instance.event_mode_used);
-        let early = end.as_ref().is_ok_and(|end| end.time < point + size);
-        event_handling_needed.write(0, event.into());
-        terminate_simulation.write(0, 0);
-        early_return.write(0, early.into());
-        last_successful_time.write(0, instance.time);
-        end.map(|_| ())
-    };
-
     fn fmi3EnterEventMode(|instance|) in CONTINUOUS_OR_STEP => {
         if instance.exchange {
             return instance.enter_event_mode();

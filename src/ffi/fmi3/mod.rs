@@ -2,6 +2,7 @@
 
 mod common;
 mod cosimulation;
+mod do_step;
 mod model_exchange;
 mod types;
 mod unsupported;
@@ -9,6 +10,8 @@ mod values;
 
 pub use common::*;
 pub use cosimulation::*;
+pub(in crate::ffi) use do_step::IntermediateUpdate;
+pub use do_step::fmi3DoStep;
 pub use model_exchange::*;
 pub use types::*;
 pub use unsupported::*;

@@ -13,6 +13,7 @@ const READABLE: Phases = Phases::of(&[
     Phase::Step,
     Phase::Event,
     Phase::ContinuousTime,
+    Phase::IntermediateUpdate,
     Phase::Terminated,
 ]);
 const SETTABLE: Phases = Phases::of(&[

@@ -240,7 +240,7 @@ fn other_kinds_of_component_are_refused_with_a_reason() {
             fmi3InstantiateCoSimulation(name, token, folder, 0, 1, 0, 0, &X, 1, env, logger, None)
                 .is_null()
         );
-        assert!(log.only().contains("nRequiredIntermediateVariables"));
+        assert!(log.only().contains("requiredIntermediateVariables"));
     }
 }
 
