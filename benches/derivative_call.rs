@@ -19,15 +19,30 @@ const CALLS: u32 = 10_000;
 /// Rounds, of which the fastest counts: the machine may have done other things in the rest.
 const ROUNDS: usize = 20;
 
-fn main() {
-    let inputs: [&[(&str, f64)]; 2] = [
-        &[("u", 3.1), ("N2", 50.0)],
+/// Name, model file and inputs.
+type Case = (&'static str, &'static str, &'static [(&'static str, f64)]);
+
+const CASES: [Case; 4] = [
+    ("reduced rig", REDUCED_RIG, &[("u", 3.1), ("N2", 50.0)]),
+    (
+        "full rig",
+        FULL_RIG,
         &[("u", 3.1), ("N1", 25.0), ("N2", 50.0)],
-    ];
-    for ((name, model), values) in [("reduced rig", REDUCED_RIG), ("full rig", FULL_RIG)]
-        .into_iter()
-        .zip(inputs)
-    {
+    ),
+    (
+        "speed controller",
+        include_str!("../modelDescription/speed-controller.toml"),
+        &[("omega_ref", 6.0), ("theta3_dot", 5.5)],
+    ),
+    (
+        "soft torque",
+        include_str!("../modelDescription/soft-torque.toml"),
+        &[("omega_ref", 6.0), ("theta3_dot", 5.5), ("i", 1.0)],
+    ),
+];
+
+fn main() {
+    for (name, model, values) in CASES {
         let component = &Component::new(model);
         for (version, with_indicators) in [(Fmi2, false), (Fmi3, false), (Fmi3, true)] {
             let mut instance = component.instantiate_for_exchange(version);

@@ -18,8 +18,31 @@ enum Phase {
     Continuous,
 }
 
+/// What is asked of a component: two inputs with their starts, a derivative and a state.
+struct Subject {
+    model: &'static str,
+    inputs: [(&'static str, f64); 2],
+    derivative: &'static str,
+    state: &'static str,
+}
+
+const RIG: Subject = Subject {
+    model: REDUCED_RIG,
+    inputs: [("u", 3.1), ("N2", 50.0)],
+    derivative: "der(theta_dot)",
+    state: "theta",
+};
+
+const CONTROLLER: Subject = Subject {
+    model: include_str!("../modelDescription/soft-torque.toml"),
+    inputs: [("omega_ref", 12.0), ("theta3_dot", 2.0)],
+    derivative: "der(filtered_torque)",
+    state: "filtered_torque",
+};
+
 /// An instance and what is known of it.
 struct Trial<'a> {
+    subject: &'a Subject,
     instance: Instance<'a>,
     phase: Phase,
     random: Uniform,
@@ -31,17 +54,19 @@ struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    fn new(component: &'a Component, version: Version, seed: u64) -> Self {
+    fn new(subject: &'a Subject, component: &'a Component, version: Version, seed: u64) -> Self {
         let mut instance = component.instantiate_for_exchange(version);
-        instance.initialize(0.0, &[("u", 3.1), ("N2", 50.0)]);
+        instance.initialize(0.0, &subject.inputs);
         Self {
+            subject,
             instance,
             phase: Phase::Event,
             random: Uniform(seed),
             calls: 0,
             events: 0,
             refusals: 0,
-            rigid: component.table.find("presliding_deflection").is_none(),
+            rigid: component.table.find("stuck").is_some()
+                && component.table.find("presliding_deflection").is_none(),
         }
     }
 
@@ -74,7 +99,7 @@ impl<'a> Trial<'a> {
         self.refusals += 1;
         self.instance.log.take();
         self.instance.reset();
-        self.instance.initialize(0.0, &[("u", 3.1), ("N2", 50.0)]);
+        self.instance.initialize(0.0, &self.subject.inputs);
         self.phase = Phase::Event;
     }
 
@@ -128,11 +153,11 @@ impl<'a> Trial<'a> {
             }
             7 => {
                 let value = self.random.between(-10.0, 10.0);
-                self.instance.set("u", value);
+                self.instance.set(self.subject.inputs[0].0, value);
             }
             8 => {
                 let value = self.random.between(-10.0, 100.0);
-                self.instance.set("N2", value);
+                self.instance.set(self.subject.inputs[1].0, value);
             }
             9 if continuous => {
                 self.instance.complete_step();
@@ -150,7 +175,7 @@ impl<'a> Trial<'a> {
                 } else {
                     self.instance.update_discrete_states();
                 }
-                self.instance.set("N2", 7.0);
+                self.instance.set(self.subject.inputs[1].0, 7.0);
                 let back = self.instance.deserialize(&bytes);
                 self.instance.restore(back);
                 let after = [
@@ -175,12 +200,18 @@ impl<'a> Trial<'a> {
                 assert_eq!(self.bits(Vector::Derivatives), before);
             }
             12 => {
-                let derivative = self.instance.derivative("der(theta_dot)", "theta");
+                let derivative = self
+                    .instance
+                    .derivative(self.subject.derivative, self.subject.state);
                 assert!(derivative.is_finite());
                 if self.instance.version == Fmi3 {
                     let adjoint = self
                         .instance
-                        .try_adjoint(&["der(theta_dot)"], &["theta", "u"], &[1.0])
+                        .try_adjoint(
+                            &[self.subject.derivative],
+                            &[self.subject.state, self.subject.inputs[0].0],
+                            &[1.0],
+                        )
                         .unwrap();
                     assert_eq!(adjoint[0], derivative);
                 }
@@ -206,13 +237,21 @@ fn random_calls_are_answered_as_the_standard_wants() {
     let loose = format!(
         "{REDUCED_RIG}\n[backlash]\ngap = 0.05\n[presliding]\nstiffness = 200.0\ndamping = 0.1\n"
     );
+    let loose: &'static str = loose.leak();
+    let rig = |model| Subject { model, ..RIG };
+    let subjects = [
+        RIG,
+        rig(FULL_RIG),
+        rig(two_gaussian),
+        rig(loose),
+        CONTROLLER,
+    ];
     for version in [Fmi2, Fmi3] {
-        let models = [REDUCED_RIG, FULL_RIG, two_gaussian, &loose];
         let (mut calls, mut events, mut refusals) = (0, 0, 0);
-        for (number, model) in models.into_iter().enumerate() {
-            let component = Component::new(model);
-            let mut trial = Trial::new(&component, version, 4711 + number as u64);
-            for _ in 0..wanted / models.len() {
+        for (number, subject) in subjects.iter().enumerate() {
+            let component = Component::new(subject.model);
+            let mut trial = Trial::new(subject, &component, version, 4711 + number as u64);
+            for _ in 0..wanted / subjects.len() {
                 trial.call();
             }
             calls += trial.calls;

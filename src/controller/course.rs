@@ -1,10 +1,12 @@
 //! The course of a controller over time, from event to event.
 
 use super::gains::{Gains, INPUTS};
+use super::instant::Instant;
 use super::law::ControlLaw;
 use super::limited::{Inputs, Mode, Next, Signals, at_start};
 use super::signal::Signal;
-use crate::series::Dual;
+use crate::parameter::ParameterError;
+use crate::series::{Dual, Scalar};
 use thiserror::Error;
 
 /// Events at one instant after which the modes are taken to chase each other.
@@ -24,6 +26,16 @@ pub enum CourseError {
         /// The present mode.
         mode: Mode,
     },
+}
+
+impl CourseError {
+    /// Refuses that many events at one instant, `time` [s], the last of them in `mode`.
+    pub(crate) fn check(events: u32, time: f64, mode: Mode) -> Result<(), Self> {
+        match events {
+            EVENTS_AT_ONE_INSTANT.. => Err(Self::Chattering { time, mode }),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Where a course begins, or where it is: all that its future depends on besides its law.
@@ -157,12 +169,7 @@ impl Course {
         } else {
             self.at_once + 1
         };
-        if at_once >= EVENTS_AT_ONE_INSTANT {
-            return Err(CourseError::Chattering {
-                time,
-                mode: self.mode(),
-            });
-        }
+        CourseError::check(at_once, time, self.mode())?;
         let mut start = Start {
             time,
             // At the event itself, which lies within a rounding error of `time`.
@@ -179,22 +186,28 @@ impl Course {
         Ok(time)
     }
 
-    /// Partial derivative of the voltage at `time` [s] with respect to input or parameter, the
-    /// controller's own state held.
+    /// The instant `time` [s] of the present stretch, and the mode.
+    pub fn instant(&self, time: f64) -> (Instant<f64>, Mode) {
+        let (integral, filtered) = (self.integral(0, time), self.filtered_torque(0, time));
+        let inputs = self.inputs(time);
+        (
+            Instant::new(&self.gains, inputs, integral, filtered),
+            self.mode(),
+        )
+    }
+
+    fn inputs(&self, time: f64) -> [f64; INPUTS] {
+        let tau = time - self.start.time;
+        at_start(&self.start.inputs.map(|polynomial| shifted(polynomial, tau)))
+    }
+
+    /// The instant `time` [s] of the present stretch with partial derivatives with respect to input or parameter, the controller's
+    /// own state held.
     ///
     /// # Errors
     /// No such parameter.
-    pub fn voltage_derivative(
-        &self,
-        known: Known,
-        time: f64,
-    ) -> Result<f64, crate::parameter::ParameterError> {
-        let tau = time - self.start.time;
-        let now = self.start.inputs.map(|polynomial| shifted(polynomial, tau));
-        let mut inputs = at_start(&now).map(|value| Dual::<1> {
-            value,
-            derivative: [0.0],
-        });
+    pub fn partial(&self, known: Known, time: f64) -> Result<Instant<Dual<1>>, ParameterError> {
+        let mut inputs = self.inputs(time).map(Dual::constant);
         let mut law = self.law.lift::<Dual<1>>();
         match known {
             Known::Input(place) => {
@@ -207,24 +220,13 @@ impl Course {
                 law.set_parameter_at(position, Dual::variable(value, 0))?;
             }
         }
-        let gains = law.gains();
-        let constant = |value| Dual {
-            value,
-            derivative: [0.0],
-        };
-        let voltage = match self.mode().limit() {
-            Some(side) => gains.limits[side as usize],
-            None => gains.unlimited(
-                inputs,
-                constant(self.integral(0, time)),
-                constant(self.filtered_torque(0, time)),
-            ),
-        };
-        Ok(voltage.derivative[0])
+        let [integral, filtered] =
+            [self.integral(0, time), self.filtered_torque(0, time)].map(Dual::constant);
+        Ok(Instant::new(&law.gains(), inputs, integral, filtered))
     }
 }
 
-/// What a voltage is differentiated by.
+/// What a controller is differentiated by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Known {
     /// The input at this place.

@@ -21,7 +21,7 @@ pub enum Side {
 
 impl Side {
     /// +1 at the upper limit, −1 at the lower.
-    fn sign(self) -> f64 {
+    pub(super) fn sign(self) -> f64 {
         match self {
             Self::Lower => -1.0,
             Self::Upper => 1.0,

@@ -7,6 +7,7 @@
 mod course;
 mod file;
 mod gains;
+mod instant;
 mod law;
 mod limited;
 mod signal;
@@ -14,6 +15,7 @@ mod signal;
 pub use course::{Course, CourseError, Known, Start};
 pub use file::is_controller;
 pub use gains::{Gains, INPUTS, Input};
+pub use instant::{Instant, MOST_INDICATORS};
 pub use law::{
     ControlLaw, MotorConstants, SoftTorque, SoftTorqueGains, SpeedController, SpeedGains,
     VoltageLimits,

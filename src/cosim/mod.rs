@@ -5,6 +5,7 @@
 mod component;
 mod controller;
 mod exchange;
+mod exchange_component;
 mod identity;
 mod input_signals;
 mod model;

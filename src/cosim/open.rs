@@ -1,9 +1,8 @@
 //! From the text of `model.toml` to the model that it describes.
 
-use super::controller::ControllerModel;
+use super::controller::{ControllerExchange, ControllerModel};
 use super::model::{CoSimulationModel, ModelError};
-use super::rig::RigModel;
-use super::rig::exchange::RigExchange;
+use super::rig::{RigExchange, RigModel};
 use crate::controller::{ControlLaw, is_controller};
 use crate::plant::Rig;
 
@@ -34,14 +33,13 @@ pub fn open_for_exchange(
     text: &str,
     file_name: &str,
 ) -> Result<Box<dyn CoSimulationModel>, ModelError> {
+    let refused = |error| ModelError(format!("{file_name}: {error}"));
     if is_controller(text) {
-        return Err(ModelError(format!(
-            "{file_name}: a controller is for co-simulation only"
-        )));
+        let law = ControlLaw::from_toml(text, file_name).map_err(ModelError::from_display)?;
+        return Ok(Box::new(
+            ControllerExchange::new(law, text).map_err(refused)?,
+        ));
     }
     let rig = Rig::from_toml(text, file_name).map_err(ModelError::from_display)?;
-    let model = RigExchange::new(rig, text);
-    Ok(Box::new(model.map_err(|error| {
-        ModelError(format!("{file_name}: {error}"))
-    })?))
+    Ok(Box::new(RigExchange::new(rig, text).map_err(refused)?))
 }

@@ -50,6 +50,11 @@ pub(super) trait Part: Copy + PartialEq + Send {
     /// no input moves it at once. `None` for other signals.
     fn start_place(signal: Self::Signal) -> Option<usize>;
 
+    /// Why it cannot be handed to a solver from outside, where it cannot.
+    fn co_simulation_only(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Its sections, in the order of its list of parameters.
     fn sections(&self) -> Vec<(&'static str, &dyn Section<f64>)>;
 

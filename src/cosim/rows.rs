@@ -72,3 +72,42 @@ pub(super) fn flag(name: &str, description: &str) -> Variable {
         ..row(name, Causality::Local, "1", description)
     }
 }
+
+/// The time derivative of a continuous state, which stands in row `place`.
+pub(super) fn derivative_row(state: &Variable, place: usize) -> Variable {
+    let unit = rate_unit(state.unit.as_deref().unwrap_or("1"));
+    let description = format!("Time derivative of {}", state.name);
+    Variable {
+        initial: Some(Initial::Calculated),
+        derivative_of: Some(place as u32),
+        ..row(
+            &format!("der({})", state.name),
+            Causality::Local,
+            &unit,
+            &description,
+        )
+    }
+}
+
+/// The event indicator of this number, which is lost where what `text` says happens.
+pub(super) fn indicator_row(number: usize, text: &str) -> Variable {
+    let description = format!("Not positive: {text}");
+    Variable {
+        initial: Some(Initial::Calculated),
+        event_indicator: true,
+        ..row(
+            &format!("event_indicator[{}]", number + 1),
+            Causality::Local,
+            "1",
+            &description,
+        )
+    }
+}
+
+/// `rad` → `rad/s`, `rad/s` → `rad/s2`, `A` → `A/s`.
+fn rate_unit(unit: &str) -> String {
+    match unit.strip_suffix("/s") {
+        Some(_) => format!("{unit}2"),
+        None => format!("{unit}/s"),
+    }
+}

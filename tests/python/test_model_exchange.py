@@ -1,10 +1,12 @@
-"""Model exchange: the rigs under solvers from outside, FMPy's CVODE and explicit Euler, and under CasADi's derivatives."""
+"""Model exchange: rigs and controllers under solvers from outside, FMPy's CVODE and explicit Euler, and under CasADi's derivatives."""
 
 import shutil
+import tomllib
 
 import fmpy
 import numpy
 import pytest
+from conftest import ROOT, build
 from rig import standard_inputs
 
 casadi = pytest.importorskip("casadi", reason="casadi is pinned in requirements.txt")
@@ -68,6 +70,56 @@ def test_explicit_euler_finds_the_same_switches(fmus, version):
     assert numpy.abs(inside["theta"] - at(inside["time"], outside, "theta")).max() < 0.02
     sticks = outside["stuck"].astype(bool)
     assert numpy.all(outside["theta_dot"][sticks] == 0.0)
+
+
+LAWS = [
+    case
+    for case in tomllib.loads((ROOT / "tests/golden/references.toml").read_text())["case"]
+    if case["name"] in ("coulomb", "coulomb-stiction", "stribeck", "karnopp", "switch", "wojewoda", "two-gaussian-mu",
+                        "two-gaussian-torque", "full rig", "full rig, mixed laws")
+]
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("case", LAWS, ids=lambda case: case["name"])
+def test_every_law_has_the_same_switches(case, version, tmp_path):
+    model = tmp_path / "model.toml"
+    model.write_text(case["model"])
+    assert build(model, tmp_path).returncode == 0
+    (path,) = tmp_path.glob(f"*.{version}.fmu")
+    inside = run(path, "CoSimulation", 60.0, 0.01)
+    outside = run(path, "ModelExchange", 60.0, 0.01, solver="CVode", relative_tolerance=1e-10)
+    difference = max(numpy.abs(inside[name] - at(inside["time"], outside, name)).max() for name in ("theta", "theta3"))
+    print(f"{case['name']}, {version}: {difference:.1e} rad, {switches(inside)} switches")
+    assert switches(inside) == switches(outside)
+    assert difference < 1e-4
+
+
+# The integral starts beyond a limit, runs back, and reaches the other one; the filtered torque lets go of a limit.
+CONTROLLERS = {
+    "SpeedController": {"omega_ref": 1.0, "theta3_dot": 2.0, "integral": 40.0},
+    "SoftTorque": {"omega_ref": 1.0, "theta3_dot": 3.0, "i": 1.0, "integral": 40.0, "filtered_torque": 3.0},
+}
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("model", CONTROLLERS)
+@pytest.mark.parametrize("solver", ["CVode", "Euler"])
+def test_controllers_agree(fmus, model, version, solver):
+    names = ["u", "integral", "saturated"]
+    step = 0.01 if solver == "CVode" else 1e-3
+    stop = 60.0 if solver == "CVode" else 20.0
+    common = {"stop_time": stop, "output_interval": step, "start_values": CONTROLLERS[model], "output": names}
+    path = str(fmus[model, version])
+    inside = fmpy.simulate_fmu(path, fmi_type="CoSimulation", **common)
+    options = {"relative_tolerance": 1e-10} if solver == "CVode" else {"step_size": step}
+    outside = fmpy.simulate_fmu(path, fmi_type="ModelExchange", solver=solver, **common, **options)
+    limits = [int(numpy.abs(numpy.diff(result["saturated"].astype(int))).sum()) for result in (inside, outside)]
+    assert limits[0] == limits[1] >= 2
+    difference = numpy.abs(inside["u"] - at(inside["time"], outside, "u")).max()
+    print(f"{model}.{version}, {solver}: {difference:.1e} V")
+    # Euler finds a switch at the end of its step.
+    assert difference < (1e-6 if solver == "CVode" else 2 * numpy.abs(numpy.diff(inside["u"])).max())
 
 
 @pytest.fixture(params=VERSIONS)

@@ -70,6 +70,15 @@ def test_a_longer_step_gives_them_too(reduced_rig, tmp_path):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("model", ["SpeedController", "SoftTorque"])
+def test_model_exchange_of_controllers_gives_them(fmus, model, version, tmp_path):
+    path = fmus[model, version]
+    reference = Reference(path, tmp_path)
+    found = reference.repeat(path, reference.step, fmi_type="ModelExchange", solver="CVode", relative_tolerance=1e-10)
+    assert reference.furthest(found, "u") < 1e-7
+
+
+@pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("model", ["ReducedRig", "FullRig"])
 def test_model_exchange_gives_them_within_the_solver_s_tolerance(fmus, model, version, tmp_path):
     path = fmus[model, version]

@@ -1,6 +1,6 @@
 //! FMI 3.0.2 `modelDescription.xml`.
 
-use stickslip::cosim::{MAX_OUTPUT_DERIVATIVE_ORDER, Variable, VariableType};
+use stickslip::cosim::{Causality, MAX_OUTPUT_DERIVATIVE_ORDER, Variable, VariableType};
 
 use super::common::{Dialect, boolean_start, description, head, real};
 use super::facts::Facts;
@@ -24,6 +24,8 @@ pub(super) fn write(facts: &Facts<'_>) -> Result<String, XmlError> {
 fn model_exchange_flags(facts: &Facts<'_>) -> Attributes {
     Attributes::new()
         .text("modelIdentifier", facts.identity.model_identifier)
+        // Where a law has several branches, which one is followed is remembered from step to step.
+        .flag("needsCompletedIntegratorStep", true)
         .flag("canGetAndSetFMUState", true)
         .flag("canSerializeFMUState", true)
         .flag("providesDirectionalDerivatives", true)
@@ -42,7 +44,9 @@ fn capability_flags(facts: &Facts<'_>) -> Attributes {
             "maxOutputDerivativeOrder",
             MAX_OUTPUT_DERIVATIVE_ORDER.to_string(),
         )
+        .flag("providesIntermediateUpdate", true)
         .flag("mightReturnEarlyFromDoStep", true)
+        .flag("canReturnEarlyAfterIntermediateUpdate", true)
         .flag("hasEventMode", true)
 }
 
@@ -60,7 +64,11 @@ fn type_definitions(xml: &mut Document, facts: &Facts<'_>) -> Result<(), XmlErro
 }
 
 fn variable(xml: &mut Document, variable: &Variable) -> Result<(), XmlError> {
-    let head = head(variable);
+    let readable_within_steps = variable.causality == Causality::Output;
+    let head = head(variable).optional_text(
+        "intermediateUpdate",
+        readable_within_steps.then_some("true"),
+    );
     match variable.variable_type {
         VariableType::Real => {
             let derivative = variable.derivative_of.map(|state| state.to_string());

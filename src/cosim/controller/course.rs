@@ -1,38 +1,14 @@
 //! The course of a controller as a component has it, with what it tells the log.
 
+use super::notice::Notice;
 use super::part::{FILTERED_TORQUE, INTEGRAL, STARTS};
 use super::state::{read_start, write_start};
-use super::variables::Signal;
+use super::variables::{Signal, signal_at};
 use crate::controller::{self, ControlLaw, INPUTS, Start};
 use crate::cosim;
 use crate::cosim::input_signals::InputSignals;
 use crate::cosim::part::{self, Known, read_parameters, write_parameters};
 use crate::cosim::{ModelError, StateError, StateReader, StateWriter, StepEnd};
-use std::fmt;
-
-/// What a controller tells the log.
-struct Notice {
-    time: f64,
-    saturated: bool,
-    voltage: f64,
-}
-
-impl cosim::Notice for Notice {
-    fn time(&self) -> f64 {
-        self.time
-    }
-
-    fn what(&self) -> String {
-        let verb = if self.saturated { "reaches" } else { "leaves" };
-        format!("the voltage {verb} its limit of {} V", self.voltage)
-    }
-}
-
-impl fmt::Display for Notice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "t = {} s: {}", self.time, cosim::Notice::what(self))
-    }
-}
 
 /// A controller's course with its notices.
 pub(in crate::cosim) struct Course {
@@ -51,17 +27,15 @@ impl Course {
     /// Goes over to another course; whether the voltage reaches or leaves a limit by that.
     fn replace(&mut self, after: controller::Course, time: f64) -> bool {
         let before = std::mem::replace(&mut self.course, after);
-        let (was, is) = (before.mode().limit(), after.mode().limit());
-        if was == is {
-            return false;
-        }
-        let at_limit = if is.is_some() { after } else { before };
-        self.notices.push(Notice {
+        let notice = Notice::of(
+            &self.course.law().gains(),
+            before.mode(),
+            after.mode(),
             time,
-            saturated: is.is_some(),
-            voltage: at_limit.voltage(0, time),
-        });
-        true
+        );
+        let switched = notice.is_some();
+        self.notices.extend(notice);
+        switched
     }
 }
 
@@ -136,7 +110,13 @@ impl part::Course<INPUTS, STARTS> for Course {
             Signal::Voltage => Some(self.course.voltage(order, time)),
             Signal::Integral => Some(self.course.integral(order, time)),
             Signal::FilteredTorque => Some(self.course.filtered_torque(order, time)),
-            Signal::Saturated => None,
+            Signal::IntegralRate => Some(self.course.integral(order + 1, time)),
+            Signal::FilteredTorqueRate => Some(self.course.filtered_torque(order + 1, time)),
+            Signal::Indicator(place) if order == 0 => {
+                let (instant, mode) = self.course.instant(time);
+                instant.indicators(mode).get(place).copied()
+            }
+            Signal::Indicator(_) | Signal::Saturated => None,
         }
     }
 
@@ -149,16 +129,12 @@ impl part::Course<INPUTS, STARTS> for Course {
             Known::Input(place) => controller::Known::Input(place),
             Known::Parameter(position) => controller::Known::Parameter(position),
         };
-        match unknown {
-            Signal::Voltage => self
-                .course
-                .voltage_derivative(known, time)
-                .map(Some)
-                .map_err(ModelError::from_display),
-            // The controller's own state, which is held.
-            Signal::Integral | Signal::FilteredTorque => Ok(Some(0.0)),
-            Signal::Saturated => Ok(None),
-        }
+        let instant = self
+            .course
+            .partial(known, time)
+            .map_err(ModelError::from_display)?;
+        let number = signal_at(&instant, self.course.mode(), unknown);
+        Ok(number.map(|number| number.derivative[0]))
     }
 
     fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn cosim::Notice)) {

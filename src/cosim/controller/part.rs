@@ -28,7 +28,7 @@ impl Part for ControlLaw<f64> {
         match signal {
             Signal::Integral => Some(INTEGRAL),
             Signal::FilteredTorque => Some(FILTERED_TORQUE),
-            Signal::Voltage | Signal::Saturated => None,
+            _ => None,
         }
     }
 

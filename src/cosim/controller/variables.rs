@@ -1,10 +1,11 @@
 //! The variable table of a controller. Inputs and output bear the names of the rig's variables that they
 //! are connected to.
 
-use crate::controller::{ControlLaw, Input};
+use crate::controller::{ControlLaw, INPUTS, Input, Instant, Mode};
 use crate::cosim::part::{self, Quantity};
-use crate::cosim::rows::{flag, input, parameter_row, row};
+use crate::cosim::rows::{derivative_row, flag, indicator_row, input, parameter_row, row};
 use crate::cosim::{Causality, Initial, TableError, Variable, VariableTable};
+use crate::series::Scalar;
 
 /// What a controller's course computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +18,25 @@ pub(in crate::cosim) enum Signal {
     FilteredTorque,
     /// Whether the voltage is at a limit.
     Saturated,
+    /// Time derivative of the integral.
+    IntegralRate,
+    /// Time derivative of the filtered torque.
+    FilteredTorqueRate,
+    /// Event indicator at this place.
+    Indicator(usize),
+}
+
+/// A real signal of an instant at which the controller is in `mode`; `None` for a flag.
+pub(super) fn signal_at<S: Scalar>(instant: &Instant<S>, mode: Mode, signal: Signal) -> Option<S> {
+    match signal {
+        Signal::Voltage => Some(instant.voltage(mode)),
+        Signal::Integral => Some(instant.states()[0]),
+        Signal::FilteredTorque => Some(instant.states()[1]),
+        Signal::IntegralRate => Some(instant.rates(mode)[0]),
+        Signal::FilteredTorqueRate => Some(instant.rates(mode)[1]),
+        Signal::Indicator(place) => instant.indicators(mode).get(place).copied(),
+        Signal::Saturated => None,
+    }
 }
 
 /// The variable table of a controller, and what each row stands for.
@@ -87,14 +107,56 @@ pub(super) fn controller_table(law: &ControlLaw<f64>) -> Result<part::Rows<Signa
         let variable = parameter_row(parameter, law.parameter_at(position));
         rows.push((Quantity::Parameter(position), variable));
     }
+    for (state, rate) in STATES {
+        let of =
+            |(quantity, _): &(Quantity<Signal>, Variable)| *quantity == Quantity::Signal(state);
+        if let Some(place) = rows.iter().position(of) {
+            // A switch sets the integral that rides on a limit.
+            rows[place].1.reinit = state == Signal::Integral;
+            let derivative = derivative_row(&rows[place].1, place);
+            rows.push((Quantity::Signal(rate), derivative));
+        }
+    }
+    for (place, text) in law.gains().indicator_descriptions().enumerate() {
+        rows.push((
+            Quantity::Signal(Signal::Indicator(place)),
+            indicator_row(place, text),
+        ));
+    }
     add_dependencies(law, &mut rows);
     let (quantities, variables) = rows.into_iter().unzip();
     Ok((VariableTable::new(variables)?, quantities))
 }
 
-/// The voltage depends at once on the inputs with a direct gain; at the start on all that may be set.
+/// The continuous states of all laws and their derivatives.
+const STATES: [(Signal, Signal); 2] = [
+    (Signal::Integral, Signal::IntegralRate),
+    (Signal::FilteredTorque, Signal::FilteredTorqueRate),
+];
+
+/// What an unknown depends on at one instant, the mode held.
+fn influences(law: &ControlLaw<f64>, unknown: Signal) -> Vec<Quantity<Signal>> {
+    let gains = law.gains();
+    let inputs = |gains: [f64; INPUTS]| {
+        let acting = (0..INPUTS).filter(move |place| gains[*place] != 0.0);
+        acting.map(Quantity::Input)
+    };
+    let states = STATES.map(|(state, _)| Quantity::Signal(state));
+    match unknown {
+        Signal::Voltage => inputs(gains.direct).chain(states).collect(),
+        // While it rides on a limit, it follows the filtered torque.
+        Signal::IntegralRate => (inputs(gains.integral).chain(inputs(gains.filtered)))
+            .chain([states[1]])
+            .collect(),
+        Signal::FilteredTorqueRate => inputs(gains.filtered).chain([states[1]]).collect(),
+        Signal::Integral | Signal::FilteredTorque | Signal::Saturated | Signal::Indicator(_) => {
+            Vec::new()
+        }
+    }
+}
+
+/// At the start all that may be set counts.
 fn add_dependencies(law: &ControlLaw<f64>, rows: &mut [(Quantity<Signal>, Variable)]) {
-    let direct = law.gains().direct;
     let places = |wanted: &dyn Fn(&Quantity<Signal>, &Variable) -> bool| -> Vec<u32> {
         (0_u32..)
             .zip(rows.iter())
@@ -102,13 +164,19 @@ fn add_dependencies(law: &ControlLaw<f64>, rows: &mut [(Quantity<Signal>, Variab
             .map(|(place, _)| place)
             .collect()
     };
-    let at_once =
-        places(&|quantity, _| matches!(quantity, Quantity::Input(input) if direct[*input] != 0.0));
     let known_at_start = places(&|_, variable| variable.settable_before_start());
-    for (quantity, variable) in rows {
-        if *quantity == Quantity::Signal(Signal::Voltage) {
-            variable.dependencies.clone_from(&at_once);
-        }
+    let dependencies: Vec<Vec<u32>> = rows
+        .iter()
+        .map(|(quantity, _)| match quantity {
+            Quantity::Signal(signal) => {
+                let known = influences(law, *signal);
+                places(&|quantity, _| known.contains(quantity))
+            }
+            _ => Vec::new(),
+        })
+        .collect();
+    for ((_, variable), dependencies) in rows.iter_mut().zip(dependencies) {
+        variable.dependencies = dependencies;
         if variable.initial == Some(Initial::Calculated) {
             variable.initial_dependencies.clone_from(&known_at_start);
         }

@@ -2,8 +2,7 @@
 
 use super::variables::{Channel, Friction, Rows, Signal};
 use crate::cosim::part::Quantity;
-use crate::cosim::rows::row;
-use crate::cosim::{Causality, Initial, Variable};
+use crate::cosim::rows::{derivative_row, indicator_row};
 use crate::plant::{Indicators, Rig, index};
 
 /// What an unknown depends on at one instant, the mode held.
@@ -91,42 +90,13 @@ impl Rows {
                 place,
                 index::OMEGA | index::OMEGA1 | index::OMEGA3 | index::BRISTLE | index::BRISTLE1
             );
-            let unit = rate_unit(variable.unit.as_deref().unwrap_or("1"));
-            let description = format!("Time derivative of {}", variable.name);
-            let derivative = Variable {
-                initial: Some(Initial::Calculated),
-                derivative_of: Some(state as u32),
-                ..row(
-                    &format!("der({})", variable.name),
-                    Causality::Local,
-                    &unit,
-                    &description,
-                )
-            };
+            let derivative = derivative_row(variable, state);
             self.add(Quantity::Signal(Signal::Rate(place)), derivative);
         }
         let texts = Indicators::new(rig).descriptions();
         for (place, text) in texts.iter().enumerate() {
-            let description = format!("Not positive: {text}");
-            let indicator = Variable {
-                initial: Some(Initial::Calculated),
-                event_indicator: true,
-                ..row(
-                    &format!("event_indicator[{}]", place + 1),
-                    Causality::Local,
-                    "1",
-                    &description,
-                )
-            };
+            let indicator = indicator_row(place, text);
             self.add(Quantity::Signal(Signal::Indicator(place)), indicator);
         }
-    }
-}
-
-/// `rad` → `rad/s`, `rad/s` → `rad/s2`, `A` → `A/s`.
-fn rate_unit(unit: &str) -> String {
-    match unit.strip_suffix("/s") {
-        Some(_) => format!("{unit}2"),
-        None => format!("{unit}/s"),
     }
 }

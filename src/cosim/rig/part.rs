@@ -25,6 +25,12 @@ impl Part for Rig<f64> {
         }
     }
 
+    fn co_simulation_only(&self) -> Option<&'static str> {
+        (self.effects.sensor_delay.is_some()).then_some(
+            "a rig with [sensor_delay] is for co-simulation only: what its sensors show is no function of its state",
+        )
+    }
+
     fn sections(&self) -> Vec<(&'static str, &dyn Section<f64>)> {
         Self::sections(self)
     }

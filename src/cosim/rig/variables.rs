@@ -1,7 +1,7 @@
 //! The variable table of a rig.
 
 use super::exchange_rows::influences;
-use crate::cosim::part::{self, Quantity};
+use crate::cosim::part::{self, Part, Quantity};
 use crate::cosim::rows::{flag, input, parameter_row, row};
 use crate::cosim::{Causality, Initial, TableError, Variable, VariableTable};
 use crate::plant::{Rig, RigKind, index};
@@ -151,16 +151,10 @@ pub(super) fn rig_table(rig: &Rig<f64>) -> Result<part::Rows<Signal>, TableError
         );
     }
     rows.add_second_names();
-    if is_exchangeable(rig) {
+    if rig.co_simulation_only().is_none() {
         rows.add_exchange(rig);
     }
     rows.finish(rig)
-}
-
-/// Whether a rig can be handed to a solver that brings its own steps: what its sensors show must be a function of its state,
-/// and a delay is not.
-pub(crate) fn is_exchangeable(rig: &Rig<f64>) -> bool {
-    rig.effects.sensor_delay.is_none()
 }
 
 /// The dissertation numbers disc D2's quantities too; here those without a number are meant. Not the friction torque: FMPy's

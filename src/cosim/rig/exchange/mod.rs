@@ -1,7 +1,6 @@
 //! A rig for model exchange.
 
-mod model;
 mod run;
 mod sensitivities;
 
-pub(in crate::cosim) use model::RigExchange;
+pub(in crate::cosim) use run::Run;

@@ -1,17 +1,20 @@
 //! A rig at the instant that the importer names: what it computes there, and its modes.
 
 use super::super::notice::{Notice, What};
+use super::super::state::{read_mode, write_mode};
 use super::super::variables::{CHANNELS, Channel, Friction, Signal};
 use super::sensitivities::Sensitivities;
-use crate::cosim::ModelError;
 use crate::cosim::exchange::EventOutcome;
+use crate::cosim::exchange_component::{self, Seeds};
+use crate::cosim::part::{read_parameters, write_parameters};
+use crate::cosim::{self, ModelError, StateError, StateReader, StateWriter};
 use crate::plant::{
     Coupling, Indicators, MOST_INDICATORS, Rig, RigInputs, RigJet, RigMode, RigState, STATES,
 };
 use crate::series::Scalar;
 
 /// The equations of a rig with the modes that hold.
-pub(super) struct Run {
+pub(in crate::cosim) struct Run {
     rig: Rig<f64>,
     indicators: Indicators,
     jet: Box<RigJet<f64>>,
@@ -32,29 +35,8 @@ pub(super) struct Run {
 }
 
 impl Run {
-    /// The run that starts at `time` \[s\] from `state`, in the modes that it wants.
-    ///
-    /// # Errors
-    /// Parameters that contradict each other.
-    pub(super) fn start(
-        rig: Rig<f64>,
-        time: f64,
-        state: RigState<f64>,
-        inputs: [f64; CHANNELS],
-    ) -> Result<Self, ModelError> {
-        rig.check().map_err(ModelError::from_display)?;
-        let mut jet = Box::new(RigJet::new(&rig));
-        let mut state = state;
-        let mode = rig.mode_at_start(time, &mut state, &held(inputs, time), &mut jet);
-        let mut run = Self::resume(rig, mode, time, state, inputs);
-        run.jumped = true;
-        run.update()?;
-        run.notices.clear();
-        Ok(run)
-    }
-
     /// The run that was in `mode`.
-    pub(super) fn resume(
+    fn resume(
         rig: Rig<f64>,
         mode: RigMode,
         time: f64,
@@ -78,48 +60,8 @@ impl Run {
         }
     }
 
-    /// Puts another value of an input in force.
-    pub(super) fn set_input(&mut self, place: usize, value: f64, at_event: bool) {
-        if self.inputs[place].to_bits() == value.to_bits() {
-            return;
-        }
-        self.inputs[place] = value;
-        self.evaluated = false;
-        self.jumped |= at_event;
-        if place != Channel::Voltage as usize && !at_event {
-            self.indicators.set_stepwise(true);
-        }
-    }
-
-    /// Whether a normal force has moved between events.
-    pub(super) fn force_moves(&self) -> bool {
-        self.indicators.is_stepwise()
-    }
-
-    pub(super) fn set_force_moves(&mut self, moves: bool) {
-        self.indicators.set_stepwise(moves);
-    }
-
-    /// The rig in force.
-    pub(super) fn rig(&self) -> &Rig<f64> {
-        &self.rig
-    }
-
-    /// Puts other parameters in force.
-    ///
-    /// # Errors
-    /// Parameters that contradict each other.
-    pub(super) fn set_rig(&mut self, rig: Rig<f64>) -> Result<(), ModelError> {
-        rig.check().map_err(ModelError::from_display)?;
-        self.rig = rig;
-        *self.jet = RigJet::new(&rig);
-        self.sensitivities = None;
-        (self.evaluated, self.jumped) = (false, true);
-        Ok(())
-    }
-
     /// Everything at the present instant.
-    pub(super) fn evaluate(&mut self) -> &RigJet<f64> {
+    fn evaluate(&mut self) -> &RigJet<f64> {
         if !self.evaluated {
             let inputs = held(self.inputs, self.time);
             self.acting = self.mode;
@@ -131,12 +73,78 @@ impl Run {
         &self.jet
     }
 
-    /// The inputs in force.
-    pub(super) fn inputs(&self) -> &[f64; CHANNELS] {
-        &self.inputs
+    fn stuck(&self) -> [(Friction, bool); 3] {
+        stuck_of(&self.mode)
+    }
+}
+
+impl exchange_component::Run<CHANNELS, STATES> for Run {
+    type Part = Rig<f64>;
+
+    fn places(rig: &Rig<f64>) -> Vec<usize> {
+        rig.state_places()
     }
 
-    pub(super) fn indicators(&mut self) -> &[f64] {
+    fn start(
+        rig: &Rig<f64>,
+        time: f64,
+        mut state: RigState<f64>,
+        inputs: [f64; CHANNELS],
+    ) -> Result<Self, ModelError> {
+        rig.check().map_err(ModelError::from_display)?;
+        let mut jet = Box::new(RigJet::new(rig));
+        let mode = rig.mode_at_start(time, &mut state, &held(inputs, time), &mut jet);
+        let mut run = Self::resume(*rig, mode, time, state, inputs);
+        run.jumped = true;
+        run.update()?;
+        run.notices.clear();
+        Ok(run)
+    }
+
+    fn part(&self) -> &Rig<f64> {
+        &self.rig
+    }
+
+    fn set_part(&mut self, rig: &Rig<f64>) -> Result<(), ModelError> {
+        rig.check().map_err(ModelError::from_display)?;
+        self.rig = *rig;
+        *self.jet = RigJet::new(rig);
+        self.sensitivities = None;
+        (self.evaluated, self.jumped) = (false, true);
+        Ok(())
+    }
+
+    fn set_time(&mut self, time: f64) {
+        self.evaluated &= self.time == time;
+        self.time = time;
+    }
+
+    fn set_input(&mut self, place: usize, value: f64, at_event: bool) {
+        if self.inputs[place].to_bits() == value.to_bits() {
+            return;
+        }
+        self.inputs[place] = value;
+        self.evaluated = false;
+        self.jumped |= at_event;
+        if place != Channel::Voltage as usize && !at_event {
+            self.indicators.set_stepwise(true);
+        }
+    }
+
+    fn states(&self) -> &RigState<f64> {
+        &self.state
+    }
+
+    fn states_mut(&mut self) -> &mut RigState<f64> {
+        self.evaluated = false;
+        &mut self.state
+    }
+
+    fn rates(&mut self) -> RigState<f64> {
+        self.evaluate().rates()
+    }
+
+    fn indicators(&mut self) -> &[f64] {
         self.evaluate();
         let inputs = held(self.inputs, self.time);
         let values = &mut self.values[..self.indicators.count()];
@@ -145,8 +153,7 @@ impl Run {
         values
     }
 
-    /// A real signal; `None` for a flag.
-    pub(super) fn real(&mut self, signal: Signal) -> Option<f64> {
+    fn real(&mut self, signal: Signal) -> Option<f64> {
         match signal {
             Signal::State(place) => self.state.get(place).copied(),
             Signal::Rate(place) => self.evaluate().rates().get(place).copied(),
@@ -156,8 +163,7 @@ impl Run {
         }
     }
 
-    /// A Boolean signal; `None` for a real one.
-    pub(super) fn flag(&self, signal: Signal) -> Option<bool> {
+    fn flag(&self, signal: Signal) -> Option<bool> {
         match signal {
             Signal::Stuck(Friction::Disc) => Some(self.mode.disc.is_stuck()),
             Signal::Stuck(Friction::Disc1) => Some(self.mode.disc1.is_stuck()),
@@ -167,11 +173,7 @@ impl Run {
         }
     }
 
-    /// Brings the modes to what holds now.
-    ///
-    /// # Errors
-    /// Modes that change without end.
-    pub(super) fn update(&mut self) -> Result<EventOutcome, ModelError> {
+    fn update(&mut self) -> Result<EventOutcome, ModelError> {
         let (before, stuck) = (self.state, self.stuck());
         let inputs = held(self.inputs, self.time);
         let changes = self
@@ -208,8 +210,7 @@ impl Run {
         })
     }
 
-    /// Lets the followed roots go along; whether an event is due.
-    pub(super) fn complete_step(&mut self) -> bool {
+    fn complete_step(&mut self) -> bool {
         self.evaluate();
         let contradicted = self.stuck() != stuck_of(&self.acting);
         let due = contradicted
@@ -222,18 +223,10 @@ impl Run {
         due
     }
 
-    fn stuck(&self) -> [(Friction, bool); 3] {
-        stuck_of(&self.mode)
-    }
-
-    /// Derivatives of the `unknowns` in the direction that `seeds` of knowns give, states and mode held.
-    ///
-    /// # Errors
-    /// A parameter that is out of range.
-    pub(super) fn directional(
+    fn directional(
         &mut self,
         unknowns: &[Signal],
-        seeds: &super::sensitivities::Seeds,
+        seeds: &Seeds<CHANNELS, STATES>,
     ) -> Result<Vec<f64>, ModelError> {
         self.evaluate();
         let held = held(self.inputs, self.time);
@@ -254,6 +247,33 @@ impl Run {
             self.sensitivities = None;
         }
         Ok(values)
+    }
+
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn cosim::Notice)) {
+        self.notices.drain(..).for_each(|notice| tell(&notice));
+    }
+
+    fn save(&self, state: &mut StateWriter) {
+        write_parameters(&self.rig, state);
+        let numbers = self.state.iter().chain(&self.inputs);
+        numbers.for_each(|value| state.real(*value));
+        state.real(self.time);
+        state.flag(self.jumped);
+        state.flag(self.indicators.is_stepwise());
+        write_mode(&self.mode, state);
+    }
+
+    fn restore(original: &Rig<f64>, state: &mut StateReader<'_>) -> Result<Self, StateError> {
+        let rig = read_parameters(original, state)?;
+        let (mut values, mut inputs) = ([0.0; STATES], [0.0; CHANNELS]);
+        for value in values.iter_mut().chain(&mut inputs) {
+            *value = state.real()?;
+        }
+        let (time, jumped, force_moves) = (state.real()?, state.flag()?, state.flag()?);
+        let mut run = Self::resume(rig, read_mode(state)?, time, values, inputs);
+        run.jumped = jumped;
+        run.indicators.set_stepwise(force_moves);
+        Ok(run)
     }
 }
 
@@ -287,6 +307,3 @@ pub(super) fn friction_of<S: Scalar>(jet: &RigJet<S>, friction: Friction) -> Opt
         Friction::Motor => motor.first().copied(),
     }
 }
-
-/// Number of state components that exist in memory.
-pub(super) const PLACES: usize = STATES;

@@ -2,22 +2,15 @@
 //! numbers.
 
 use super::super::variables::{CHANNELS, Channel, Signal};
-use super::run::{PLACES, friction_of};
+use super::run::friction_of;
 use crate::cosim::ModelError;
-use crate::plant::{Indicators, MOST_INDICATORS, Rig, RigInputs, RigJet, RigMode, RigState};
+use crate::cosim::exchange_component::Seeds;
+use crate::plant::{
+    Indicators, MOST_INDICATORS, Rig, RigInputs, RigJet, RigMode, RigState, STATES,
+};
 use crate::series::{Dual, Scalar};
 
 type Number = Dual<1>;
-
-/// A direction: how much of each known.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Seeds {
-    pub(super) time: f64,
-    pub(super) state: [f64; PLACES],
-    pub(super) inputs: [f64; CHANNELS],
-    /// Position in the list of parameters and share.
-    pub(super) parameters: Vec<(usize, f64)>,
-}
 
 /// A rig over dual numbers, with its workspace.
 pub(super) struct Sensitivities {
@@ -30,7 +23,7 @@ impl Sensitivities {
     ///
     /// # Errors
     /// A parameter that is out of range.
-    pub(super) fn new(rig: &Rig<f64>, seeds: &Seeds) -> Result<Self, ModelError> {
+    pub(super) fn new(rig: &Rig<f64>, seeds: &Seeds<CHANNELS, STATES>) -> Result<Self, ModelError> {
         let mut dual = rig.lift::<Number>();
         for (position, seed) in &seeds.parameters {
             let value = rig.parameter_at(*position).unwrap_or(0.0);
@@ -53,9 +46,9 @@ impl Sensitivities {
         inputs: &RigInputs<f64>,
         indicators: &Indicators,
         unknowns: &[Signal],
-        seeds: &Seeds,
+        seeds: &Seeds<CHANNELS, STATES>,
     ) -> Vec<f64> {
-        let mut moving = [Number::constant(0.0); PLACES];
+        let mut moving = [Number::constant(0.0); STATES];
         for (place, component) in moving.iter_mut().enumerate() {
             *component = number(state[place], seeds.state[place]);
         }

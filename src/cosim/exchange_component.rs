@@ -1,55 +1,147 @@
-//! A rig behind both model interfaces, for an importer that brings the solver.
+//! A rig or a controller behind both model interfaces, for an importer that brings the solver.
 
-use super::super::state::{read_mode, write_mode};
-use super::super::variables::{CHANNELS, Signal, is_exchangeable};
-use super::run::{PLACES, Run};
-use super::sensitivities::Seeds;
-use crate::cosim::exchange::{EventOutcome, ModelExchange};
-use crate::cosim::part::{Part, Quantity, read_parameters, write_parameters};
-use crate::cosim::{
-    CoSimulationModel, Identity, ModelError, Notice, StateError, StateReader, StateWriter, StepEnd,
-    Token, VariableTable,
-};
+use super::exchange::{EventOutcome, ModelExchange};
+use super::identity::Identity;
+use super::model::{CoSimulationModel, ModelError, Notice, StepEnd};
+use super::part::{Part, Quantity, read_parameters, write_parameters};
+use super::state::{StateError, StateReader, StateWriter};
+use super::token::Token;
+use super::variables::VariableTable;
 use crate::parameter;
-use crate::plant::Rig;
-use std::mem;
 use std::sync::Arc;
 
-/// A rig for model exchange.
-pub(in crate::cosim) struct RigExchange {
+/// A direction: how much of each known.
+#[derive(Clone, Debug)]
+pub(super) struct Seeds<const INPUTS: usize, const STATES: usize> {
+    pub(super) time: f64,
+    pub(super) state: [f64; STATES],
+    pub(super) inputs: [f64; INPUTS],
+    /// Position in the list of parameters and share.
+    pub(super) parameters: Vec<(usize, f64)>,
+}
+
+/// A part at the instant that the importer names: what it computes there, and its modes.
+pub(super) trait Run<const INPUTS: usize, const STATES: usize>: Sized + Send {
+    /// What runs.
+    type Part: Part;
+
+    /// Places of the continuous states among the start values, in the order of the table.
+    fn places(part: &Self::Part) -> Vec<usize>;
+
+    /// The run that starts at `time` [s] from `states`, in the modes that they want.
+    ///
+    /// # Errors
+    /// Parameters that contradict each other.
+    fn start(
+        part: &Self::Part,
+        time: f64,
+        states: [f64; STATES],
+        inputs: [f64; INPUTS],
+    ) -> Result<Self, ModelError>;
+
+    /// The part in force.
+    fn part(&self) -> &Self::Part;
+
+    /// Puts other parameters in force.
+    ///
+    /// # Errors
+    /// Parameters that contradict each other.
+    fn set_part(&mut self, part: &Self::Part) -> Result<(), ModelError>;
+
+    /// Puts the present time [s] in force.
+    fn set_time(&mut self, time: f64);
+
+    /// Puts another value of an input in force, `at_event` where it may jump.
+    fn set_input(&mut self, place: usize, value: f64, at_event: bool);
+
+    /// The present states.
+    fn states(&self) -> &[f64; STATES];
+
+    /// The same, to be changed.
+    fn states_mut(&mut self) -> &mut [f64; STATES];
+
+    /// Time derivatives of the states.
+    fn rates(&mut self) -> [f64; STATES];
+
+    /// The event indicators.
+    fn indicators(&mut self) -> &[f64];
+
+    /// A real signal; `None` for a flag.
+    fn real(&mut self, signal: <Self::Part as Part>::Signal) -> Option<f64>;
+
+    /// A Boolean signal; `None` for a real one.
+    fn flag(&self, signal: <Self::Part as Part>::Signal) -> Option<bool>;
+
+    /// Brings the modes to what holds now.
+    ///
+    /// # Errors
+    /// Modes that change without end.
+    fn update(&mut self) -> Result<EventOutcome, ModelError>;
+
+    /// Takes the present point as one of the solution; whether an event is due.
+    fn complete_step(&mut self) -> bool;
+
+    /// Derivatives of the `unknowns` along `seeds`, states and modes held.
+    ///
+    /// # Errors
+    /// A parameter that is out of range.
+    fn directional(
+        &mut self,
+        unknowns: &[<Self::Part as Part>::Signal],
+        seeds: &Seeds<INPUTS, STATES>,
+    ) -> Result<Vec<f64>, ModelError>;
+
+    /// Hands on, and forgets, what happened.
+    fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn Notice));
+
+    /// Writes all that its future depends on.
+    fn save(&self, state: &mut StateWriter);
+
+    /// The opposite of [`save`](Self::save), for a part built like `original`.
+    ///
+    /// # Errors
+    /// The state is not that of such a run.
+    fn restore(original: &Self::Part, state: &mut StateReader<'_>) -> Result<Self, StateError>;
+}
+
+/// A part for model exchange.
+pub(super) struct ExchangeComponent<
+    R: Run<INPUTS, STATES>,
+    const INPUTS: usize,
+    const STATES: usize,
+> {
     table: Arc<VariableTable>,
-    quantities: Vec<Quantity<Signal>>,
+    quantities: Vec<Quantity<<R::Part as Part>::Signal>>,
     token: Token,
-    original: Rig<f64>,
-    /// The rig with the parameters that are set.
-    rig: Rig<f64>,
-    inputs: [f64; CHANNELS],
-    start_values: [f64; PLACES],
+    original: R::Part,
+    /// The part with the parameters that are set.
+    part: R::Part,
+    inputs: [f64; INPUTS],
+    start_values: [f64; STATES],
     time: f64,
-    /// Places of the continuous states in the rig's state, and their nominal values.
+    /// Places of the continuous states in the run's states, and their nominal values.
     places: Vec<usize>,
     nominals: Vec<f64>,
     initialised: bool,
     /// Whether parameters were set that the run does not know yet; before the start also inputs and start values.
     pending: bool,
     in_event: bool,
-    run: Option<Box<Run>>,
-    shown: [f64; PLACES],
+    run: Option<Box<R>>,
+    shown: [f64; STATES],
 }
 
-impl RigExchange {
-    /// The component that `rig`, read from `model_toml`, is.
+impl<R: Run<INPUTS, STATES>, const INPUTS: usize, const STATES: usize>
+    ExchangeComponent<R, INPUTS, STATES>
+{
+    /// The component that `part`, read from `model_toml`, is.
     ///
     /// # Errors
-    /// A unit that is none, or a rig that needs its past.
-    pub(in crate::cosim) fn new(rig: Rig<f64>, model_toml: &str) -> Result<Self, ModelError> {
-        if !is_exchangeable(&rig) {
-            return Err(ModelError(
-                "a rig with [sensor_delay] is for co-simulation only: what its sensors show is no function of its state"
-                    .into(),
-            ));
+    /// A unit that is none, or a part that is for co-simulation only.
+    pub(super) fn new(part: R::Part, model_toml: &str) -> Result<Self, ModelError> {
+        if let Some(reason) = part.co_simulation_only() {
+            return Err(ModelError(reason.to_owned()));
         }
-        let (table, quantities) = rig.rows().map_err(ModelError::from_display)?;
+        let (table, quantities) = part.rows().map_err(ModelError::from_display)?;
         let token = Token::new(&table, model_toml);
         let nominals = table.states().map(|state| state.nominal.unwrap_or(1.0));
         Ok(Self {
@@ -57,21 +149,24 @@ impl RigExchange {
             table: Arc::new(table),
             quantities,
             token,
-            original: rig,
-            rig,
-            inputs: [0.0; CHANNELS],
-            start_values: [0.0; PLACES],
-            time: rig.identity().default_experiment.start_time,
-            places: rig.state_places(),
+            original: part,
+            part,
+            inputs: [0.0; INPUTS],
+            start_values: [0.0; STATES],
+            time: part.identity().default_experiment.start_time,
+            places: R::places(&part),
             initialised: false,
             pending: false,
             in_event: false,
             run: None,
-            shown: [0.0; PLACES],
+            shown: [0.0; STATES],
         })
     }
 
-    fn quantity(&self, value_reference: u32) -> Result<Quantity<Signal>, ModelError> {
+    fn quantity(
+        &self,
+        value_reference: u32,
+    ) -> Result<Quantity<<R::Part as Part>::Signal>, ModelError> {
         self.quantities
             .get(value_reference as usize)
             .copied()
@@ -79,16 +174,16 @@ impl RigExchange {
     }
 
     /// The run with everything that was set.
-    fn run(&mut self) -> Result<&mut Run, ModelError> {
+    fn run(&mut self) -> Result<&mut R, ModelError> {
         let afresh = self.run.is_none() || (self.pending && !self.initialised);
         if afresh {
-            let run = Run::start(self.rig, self.time, self.start_values, self.inputs)?;
+            let run = R::start(&self.part, self.time, self.start_values, self.inputs)?;
             self.run = Some(Box::new(run));
         } else if self.pending
             && let Some(run) = &mut self.run
-            && *run.rig() != self.rig
+            && *run.part() != self.part
         {
-            run.set_rig(self.rig)?;
+            run.set_part(&self.part)?;
         }
         self.pending = false;
         self.run
@@ -110,7 +205,9 @@ impl RigExchange {
     }
 }
 
-impl ModelExchange for RigExchange {
+impl<R: Run<INPUTS, STATES>, const INPUTS: usize, const STATES: usize> ModelExchange
+    for ExchangeComponent<R, INPUTS, STATES>
+{
     fn state_count(&self) -> usize {
         self.places.len()
     }
@@ -121,25 +218,22 @@ impl ModelExchange for RigExchange {
 
     fn set_time(&mut self, time: f64) {
         self.time = time;
-        if let Some(run) = &mut self.run
-            && run.time != time
-        {
-            run.time = time;
-            run.evaluated = false;
+        if let Some(run) = &mut self.run {
+            run.set_time(time);
         }
     }
 
     fn set_states(&mut self, states: &[f64]) {
         if let Some(run) = &mut self.run {
+            let present = run.states_mut();
             for (place, value) in self.places.iter().zip(states) {
-                run.state[*place] = *value;
+                present[*place] = *value;
             }
-            run.evaluated = false;
         }
     }
 
     fn states(&mut self) -> Result<&[f64], ModelError> {
-        let state = self.run()?.state;
+        let state = *self.run()?.states();
         for (shown, place) in self.shown.iter_mut().zip(&self.places) {
             *shown = state[*place];
         }
@@ -151,7 +245,7 @@ impl ModelExchange for RigExchange {
     }
 
     fn derivatives(&mut self) -> Result<&[f64], ModelError> {
-        let rates = self.run()?.evaluate().rates();
+        let rates = self.run()?.rates();
         for (shown, place) in self.shown.iter_mut().zip(&self.places) {
             *shown = rates[*place];
         }
@@ -179,7 +273,9 @@ impl ModelExchange for RigExchange {
     }
 }
 
-impl CoSimulationModel for RigExchange {
+impl<R: Run<INPUTS, STATES>, const INPUTS: usize, const STATES: usize> CoSimulationModel
+    for ExchangeComponent<R, INPUTS, STATES>
+{
     fn identity(&self) -> &'static Identity {
         self.original.identity()
     }
@@ -211,15 +307,15 @@ impl CoSimulationModel for RigExchange {
         match self.quantity(value_reference)? {
             Quantity::Time => Ok(self.time),
             Quantity::Input(place) => Ok(self.inputs[place]),
-            Quantity::Parameter(position) => parameter::value_at(&self.rig.sections(), position)
+            Quantity::Parameter(position) => parameter::value_at(&self.part.sections(), position)
                 .ok_or_else(|| self.not(value_reference, "a parameter")),
-            Quantity::Signal(Signal::State(place)) if !self.initialised => {
-                Ok(self.start_values[place])
-            }
-            Quantity::Signal(signal) => {
-                let value = self.run()?.real(signal);
-                value.ok_or_else(|| self.not(value_reference, "a real"))
-            }
+            Quantity::Signal(signal) => match R::Part::start_place(signal) {
+                Some(place) if !self.initialised => Ok(self.start_values[place]),
+                _ => {
+                    let value = self.run()?.real(signal);
+                    value.ok_or_else(|| self.not(value_reference, "a real"))
+                }
+            },
         }
     }
 
@@ -241,21 +337,17 @@ impl CoSimulationModel for RigExchange {
                 }
             }
             Quantity::Parameter(position) => {
-                self.rig
+                self.part
                     .set_parameter_at(position, value)
                     .map_err(ModelError::from_display)?;
                 self.pending = true;
             }
-            Quantity::Signal(signal) => match <Rig<f64> as Part>::start_place(signal) {
+            Quantity::Signal(signal) => match R::Part::start_place(signal) {
                 Some(place) if !self.initialised => {
                     self.start_values[place] = value;
                     self.pending = true;
                 }
-                Some(place) => {
-                    let run = self.run()?;
-                    run.state[place] = value;
-                    run.evaluated = false;
-                }
+                Some(place) => self.run()?.states_mut()[place] = value,
                 None => return Err(self.not(value_reference, "to be set: it is computed")),
             },
             Quantity::Time => return Err(self.not(value_reference, "to be set")),
@@ -286,16 +378,21 @@ impl CoSimulationModel for RigExchange {
         unknowns: &[u32],
         direction: &[(u32, f64)],
     ) -> Result<Vec<f64>, ModelError> {
-        let mut seeds = Seeds::default();
+        let mut seeds = Seeds {
+            time: 0.0,
+            state: [0.0; STATES],
+            inputs: [0.0; INPUTS],
+            parameters: Vec::new(),
+        };
         for (known, seed) in direction {
             match self.quantity(*known)? {
                 Quantity::Time => seeds.time += seed,
                 Quantity::Input(place) => seeds.inputs[place] += seed,
-                Quantity::Signal(Signal::State(place)) => seeds.state[place] += seed,
                 Quantity::Parameter(position) => seeds.parameters.push((position, *seed)),
-                Quantity::Signal(_) => {
-                    return Err(self.not(*known, "time, a state, an input or a parameter"));
-                }
+                Quantity::Signal(signal) => match R::Part::start_place(signal) {
+                    Some(place) => seeds.state[place] += seed,
+                    None => return Err(self.not(*known, "time, a state, an input or a parameter")),
+                },
             }
         }
         let mut signals = Vec::with_capacity(unknowns.len());
@@ -314,9 +411,7 @@ impl CoSimulationModel for RigExchange {
 
     fn drain_notices(&mut self, tell: &mut dyn FnMut(&dyn Notice)) {
         if let Some(run) = &mut self.run {
-            mem::take(&mut run.notices)
-                .iter()
-                .for_each(|notice| tell(notice));
+            run.drain_notices(tell);
         }
     }
 
@@ -327,51 +422,35 @@ impl CoSimulationModel for RigExchange {
         }
         let numbers = self.start_values.iter().chain(&self.inputs);
         numbers.for_each(|value| state.real(*value));
-        write_parameters(&self.rig, state);
+        write_parameters(&self.part, state);
         state.flag(self.run.is_some());
         if let Some(run) = &self.run {
-            write_parameters(run.rig(), state);
-            let numbers = run.state.iter().chain(run.inputs());
-            numbers.for_each(|value| state.real(*value));
-            state.real(run.time);
-            state.flag(run.jumped);
-            state.flag(run.force_moves());
-            write_mode(&run.mode, state);
+            run.save(state);
         }
     }
 
     fn restore(&mut self, state: &mut StateReader<'_>) -> Result<(), StateError> {
         let time = state.real()?;
         let [initialised, pending, in_event] = [state.flag()?, state.flag()?, state.flag()?];
-        let (mut start_values, mut inputs) = ([0.0; PLACES], [0.0; CHANNELS]);
+        let (mut start_values, mut inputs) = ([0.0; STATES], [0.0; INPUTS]);
         for value in start_values.iter_mut().chain(&mut inputs) {
             *value = state.real()?;
         }
-        let rig = read_parameters(&self.original, state)?;
+        let part = read_parameters(&self.original, state)?;
         let run = if state.flag()? {
-            let rig = read_parameters(&self.original, state)?;
-            let (mut values, mut inputs) = ([0.0; PLACES], [0.0; CHANNELS]);
-            for value in values.iter_mut().chain(&mut inputs) {
-                *value = state.real()?;
-            }
-            let (time, jumped, force_moves) = (state.real()?, state.flag()?, state.flag()?);
-            let mode = read_mode(state)?;
-            let mut run = Run::resume(rig, mode, time, values, inputs);
-            run.jumped = jumped;
-            run.set_force_moves(force_moves);
-            Some(Box::new(run))
+            Some(Box::new(R::restore(&self.original, state)?))
         } else {
             None
         };
-        (self.time, self.rig, self.inputs) = (time, rig, inputs);
+        (self.time, self.part, self.inputs) = (time, part, inputs);
         (self.start_values, self.run) = (start_values, run);
         (self.initialised, self.pending, self.in_event) = (initialised, pending, in_event);
         Ok(())
     }
 
     fn reset(&mut self) {
-        self.rig = self.original;
-        (self.inputs, self.start_values) = ([0.0; CHANNELS], [0.0; PLACES]);
+        self.part = self.original;
+        (self.inputs, self.start_values) = ([0.0; INPUTS], [0.0; STATES]);
         self.time = self.identity().default_experiment.start_time;
         (self.initialised, self.pending, self.in_event) = (false, false, false);
         self.run = None;
