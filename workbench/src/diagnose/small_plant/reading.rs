@@ -132,8 +132,7 @@ impl<'a> Sheet<'a> {
         let Some(time) = names.iter().position(|name| name == time_name) else {
             return Err(SmallCaseError::Unusable {
                 what: format!(
-                    "the first column is `{}`; the model's [columns] names `{time_name}` as time, which it has not; it has {known}",
-                    names.first().map_or("", String::as_str)
+                    "the model's [columns] names `{time_name}` as time, which is not there; it has {known}"
                 ),
                 file,
             });
