@@ -88,7 +88,8 @@ def test_parquet_and_excel_give_the_finding_of_csv_bit_for_bit(tmp_path: pathlib
             write = {"csv": record.to_csv, "parquet": record.to_parquet, "xlsx": record.to_excel}[kind]
             write(folder / f"{path.stem}.{kind}")
         finding = stickslip.Case.from_directory(folder).diagnose(progress=False)
-        found[kind] = finding.to_json().replace(f".{kind}", ".csv").replace(str(tmp_path / kind), "")
+        text = finding.to_json().replace(f".{kind}", ".csv")
+        found[kind] = re.sub(r'"seconds": [0-9.e-]+', "", text)
     assert found["csv"] == found["parquet"] == found["xlsx"]
 
 

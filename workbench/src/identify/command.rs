@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::{Args, Subcommand};
 
 use super::{decay, static_test};
@@ -105,9 +105,11 @@ fn print_static(file: &Path) -> anyhow::Result<()> {
 fn read_static(file: &Path) -> anyhow::Result<(Vec<f64>, Vec<f64>)> {
     let name = file.display().to_string();
     let table = Table::open(file, &name, Dialect::Own)?;
-    let [torque, twist] = table.series(["torque", "twist"]).context(
-        "a static test has the columns torque [N m] and twist [rad], separated by commas",
-    )?;
+    let [torque, twist] = table.series(["torque", "twist"]).map_err(|error| {
+        anyhow!(
+            "{error}; a static test has the columns torque [N m] and twist [rad], separated by commas"
+        )
+    })?;
     Ok((torque, twist))
 }
 
