@@ -177,6 +177,29 @@ def test_foreign_files_are_dropped_and_mapped_by_hand(studio, tmp_path):
     page.wait_for_selector("#records .problem", state="detached")
 
 
+def test_parquet_and_excel_are_dropped_as_csv_is(studio, tmp_path):
+    tables = CASE.parent / "tables"
+    page = studio(case=None).page()
+    page.set_input_files("#files", [CASE / "model.toml", CASE / "run-a.csv", tables / "run-a.parquet", tables / "run-a.xlsx"])
+    wait_for(page, "#records", "run-a.xlsx")
+    rows = page.locator("#records tbody tr")
+    expect(rows).to_have_count(3)
+    assert page.locator("#records .problem").count() == 0
+    assert len({tuple(row.locator("td.number").all_inner_texts()) for row in rows.all()}) == 1
+    wait_for(page, "#records", "sheet `bench`")
+    for name in ("run-a.parquet", "run-a.xlsx"):
+        page.get_by_role("button", name=name, exact=True).click()
+        wait_for(page, "#record-caption", name)
+    # Half of a file is told to be one, and nothing is lost.
+    half = tmp_path / "half.parquet"
+    half.write_bytes((tables / "run-a.parquet").read_bytes()[:20_000])
+    page.set_input_files("#files", half)
+    wait_for(page, "#records", "is a damaged Parquet file")
+    page.get_by_role("button", name="Take half.parquet away").click()
+    page.wait_for_selector("#records .problem", state="detached")
+    expect(rows).to_have_count(3)
+
+
 def test_curves_follow_the_hand(studio):
     page = studio().page()
     go(page, "Rig")

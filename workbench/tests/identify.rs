@@ -104,7 +104,10 @@ fn static_tests_that_say_too_little_are_refused() {
         ("torque;twist\n1;2\n", "separated by commas"),
         ("torque,twist\n1,0.1\n2,0.2\n", "three points"),
         ("torque,twist\n1,0.1\n2,0.1\n3,0.1\n", "different twists"),
-        ("torque,twist\n1,0.1\n2,x\n3,0.3\n", "line 3: twist is `x`"),
+        (
+            "torque,twist\n1,0.1\n2,x\n3,0.3\n",
+            "line 3, column `twist`: `x` is not a number",
+        ),
         (
             "torque,twist\n1,0.1\n2,0.2,7\n3,0.3\n",
             "line 3: has 3 values",

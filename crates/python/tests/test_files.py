@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pathlib
 import re
+import shutil
 from typing import Any
 
 import nptdms
@@ -74,6 +75,41 @@ def test_an_example_reads_its_file(section: str, code: str, tmp_path: pathlib.Pa
     for name in frame:
         # A raster is interpolated.
         assert numpy.abs(frame[name].to_numpy() - RECORD[name].to_numpy()).max() < 1e-9, name
+
+
+def test_parquet_and_excel_give_the_finding_of_csv_bit_for_bit(tmp_path: pathlib.Path) -> None:
+    found = {}
+    for kind in ("csv", "parquet", "xlsx"):
+        folder = tmp_path / kind / "case"
+        folder.mkdir(parents=True)
+        shutil.copy(CASE / "model.toml", folder)
+        for path in CASE.glob("*.csv"):
+            record = pandas.read_csv(path, index_col="time")
+            write = {"csv": record.to_csv, "parquet": record.to_parquet, "xlsx": record.to_excel}[kind]
+            write(folder / f"{path.stem}.{kind}")
+        finding = stickslip.Case.from_directory(folder).diagnose(progress=False)
+        text = finding.to_json().replace(f".{kind}", ".csv")
+        found[kind] = re.sub(r'"seconds": [0-9.e-]+', "", text)
+    assert found["csv"] == found["parquet"] == found["xlsx"]
+
+
+def test_dates_sheets_and_parts_of_files(tmp_path: pathlib.Path) -> None:
+    dated = RECORD.set_axis(pandas.Timestamp("2026-03-29 01:59", tz="Europe/Berlin") + pandas.to_timedelta(RECORD.index, unit="s"))
+    dated.rename_axis("time").to_parquet(tmp_path / "dated.parquet")
+    dated.tz_localize(None).rename_axis("time").to_excel(tmp_path / "dated.xlsx")
+    with pandas.ExcelWriter(tmp_path / "two.xlsx") as book:
+        RECORD.to_excel(book, sheet_name="monday")
+        RECORD.to_excel(book, sheet_name="tuesday")
+    held_out = CASE / "held-out.csv"
+    for name in ("dated.parquet@0:6", "dated.xlsx@0:6", "two.xlsx#tuesday@0:6"):
+        case = stickslip.Case(CASE / "model.toml", [tmp_path / name], held_out=held_out)
+        dates = "`time` taken as seconds since the first row"
+        assert any(dates in note for note in case.notes) == name.startswith("dated"), case.notes
+    with pytest.raises(stickslip.InputError, match="two.xlsx: has tables in 2 sheets; say which one is meant, such as .*#monday"):
+        stickslip.Case(CASE / "model.toml", [tmp_path / "two.xlsx"], held_out=held_out)
+    RECORD.assign(operator="Smith").to_parquet(tmp_path / "text.parquet")
+    with pytest.raises(stickslip.InputError, match="text.parquet: column `operator` holds text or objects; numbers are needed"):
+        stickslip.Case(CASE / "model.toml", [tmp_path / "text.parquet"], held_out=held_out)
 
 
 def test_every_kind_has_an_example() -> None:

@@ -72,7 +72,7 @@ pub enum CaseError {
         source: std::io::Error,
     },
     /// The directory has no records to learn from.
-    #[error("{path}: has no record run-*.csv to learn from")]
+    #[error("{path}: has no record run-*.csv, .parquet or .xlsx to learn from")]
     NoRecords {
         /// The directory.
         path: PathBuf,

@@ -9,10 +9,14 @@ use super::case::{Case, CaseError};
 use super::record_part::{Part, PartError};
 use super::small_plant::model_file::is_small_plant;
 use super::supposed;
+use crate::files::record::ENDINGS;
 
 /// Names of a case's files in its directory.
 const MODEL_FILE: &str = "model.toml";
-const HELD_OUT_FILE: &str = "held-out.csv";
+/// Name of the record to judge on, before its ending.
+const HELD_OUT: &str = "held-out";
+/// What the names of the records to learn from begin with.
+const LEARNED: &str = "run-";
 const SENSORS_FILE: &str = "sensors.toml";
 /// Directory of a case with effects of its own.
 const EFFECTS_DIRECTORY: &str = "effects";
@@ -20,7 +24,7 @@ const EFFECTS_DIRECTORY: &str = "effects";
 /// Where a case's files are.
 #[derive(Debug, Clone, Default, Args)]
 pub struct CaseArguments {
-    /// Directory with model.toml, run-*.csv and, if need be, held-out.csv, sensors.toml and effects/.
+    /// Directory with model.toml, run-*.csv (or .parquet, .xlsx) and, if need be, held-out.csv, sensors.toml and effects/.
     #[arg(conflicts_with_all = ["model", "records", "held_out"], required_unless_present = "model")]
     pub case: Option<PathBuf>,
     /// The model that the analyst believes: a model.toml, or an FMU with --ports.
@@ -133,23 +137,27 @@ impl CaseArguments {
                     path: directory.clone(),
                     source,
                 })?;
-                let mut records: Vec<PathBuf> = entries
-                    .flatten()
-                    .map(|entry| entry.path())
-                    .filter(|path| {
-                        let name = file_name(path);
-                        name.starts_with("run-") && name.ends_with(".csv")
-                    })
+                let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+                files.retain(|path| {
+                    ENDINGS
+                        .iter()
+                        .any(|end| path.extension().is_some_and(|own| own == *end))
+                });
+                files.sort();
+                let is_held_out =
+                    |path: &&PathBuf| path.file_stem().is_some_and(|own| own == HELD_OUT);
+                let held_out = files.iter().find(is_held_out).cloned();
+                let records: Vec<PathBuf> = files
+                    .into_iter()
+                    .filter(|path| file_name(path).starts_with(LEARNED))
                     .collect();
-                records.sort();
                 if records.is_empty() {
                     return Err(CaseError::NoRecords { path: directory });
                 }
-                let held_out = directory.join(HELD_OUT_FILE);
                 Ok((
                     directory.join(MODEL_FILE),
                     records.into_iter().map(Part::whole).collect(),
-                    held_out.is_file().then(|| Part::whole(held_out)),
+                    held_out.map(Part::whole),
                 ))
             }
         }

@@ -2,7 +2,6 @@
 //! header itself does.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -12,7 +11,7 @@ use super::console::number;
 use super::record_part::Part;
 use super::rig_variable::{TIME, units, variables};
 use crate::component::closest;
-use crate::files::record::{Missing, Record, RecordError, decode, with_commas};
+use crate::files::record::{Dialect, Missing, Record, RecordError, Table};
 
 /// The table of the model file.
 const TABLE: &str = "columns";
@@ -109,22 +108,6 @@ pub enum ColumnsError {
         /// The columns that are there.
         known: String,
     },
-    /// The file cannot be read.
-    #[error("{path}: cannot be read: {source}")]
-    Read {
-        /// The file.
-        path: String,
-        /// The operating system's reason.
-        source: std::io::Error,
-    },
-    /// The file holds no text.
-    #[error("{file}: {problem}")]
-    NoText {
-        /// The file.
-        file: String,
-        /// What it is.
-        problem: &'static str,
-    },
     /// The table is no record.
     #[error(transparent)]
     Record(#[from] RecordError),
@@ -163,31 +146,6 @@ fn name_and_unit(field: &str) -> (&str, Option<&str>) {
 
 /// A field of a header, with the variable that it is taken as.
 pub type Heading = (String, Option<&'static str>);
-
-/// The text of the file `path`, which messages call `file`; whether it is UTF-16.
-fn text_of(path: &Path, file: &str) -> Result<(String, bool), ColumnsError> {
-    let bytes = fs::read(path).map_err(|source| ColumnsError::Read {
-        path: path.display().to_string(),
-        source,
-    })?;
-    let (mut text, is_wide) = decode(&bytes).map_err(|problem| ColumnsError::NoText {
-        file: file.to_owned(),
-        problem,
-    })?;
-    if text.starts_with('\u{feff}') {
-        text.remove(0);
-    }
-    Ok((text, is_wide))
-}
-
-/// The fields of a table's header.
-fn header(text: &str) -> Vec<&str> {
-    let line = text.lines().find(|line| !line.trim().is_empty());
-    line.unwrap_or("")
-        .split(',')
-        .map(|field| field.trim().trim_matches('"').trim())
-        .collect()
-}
 
 /// One column of a file, found.
 struct Found {
@@ -271,25 +229,23 @@ impl RigColumns {
     /// # Errors
     /// [`ColumnsError`], naming the file, the column and what would be right.
     pub fn read(&self, part: &Part) -> Result<(Record, String), ColumnsError> {
-        if let Some(table) = &part.table {
-            return self.of_table(table);
-        }
         let path = part.path.display().to_string();
         let file = match part.span {
             Some((from, to)) => format!("{path}@{from}:{to}"),
-            None => path.clone(),
+            None => path,
         };
-        let (text, is_wide) = text_of(&part.path, &file)?;
-        let (text, dialect) = with_commas(&text);
-        let mut said: Vec<String> = Vec::new();
-        if is_wide {
-            said.push("UTF-16".to_owned());
-        }
-        if !dialect.is_empty() {
-            said.push(dialect.join(" and "));
-        }
-        let (columns, text) = self.renamed(&text, &file)?;
-        let mut record = Record::parse(&text, &file, Missing::KeepAsNan)?;
+        let table = match &part.table {
+            // A table's time stands apart from its columns, and has the name that is asked for.
+            Some(table) => {
+                let time = self.given.get(TIME).map_or(TIME, |given| &given.column);
+                Table::of_record(table, time)
+            }
+            None => Table::open(&part.path, &file, Dialect::Any)?,
+        };
+        let mut said = table.said().to_vec();
+        let columns = self.found_all(table.names(), &file)?;
+        let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+        let mut record = table.record(&names, Missing::KeepAsNan)?;
         for column in columns {
             record.convert(&column.name, column.factor);
             said.extend(column.said);
@@ -309,67 +265,21 @@ impl RigColumns {
     /// [`ColumnsError`] where the file cannot be read.
     pub fn headings(&self, path: &Path) -> Result<Vec<Heading>, ColumnsError> {
         let file = path.display().to_string();
-        let (text, _) = text_of(path, &file)?;
-        let (text, _) = with_commas(&text);
-        Ok(header(&text)
-            .into_iter()
+        let table = Table::open(path, &file, Dialect::Any)?;
+        let fields = table.names().iter();
+        Ok(fields
             .map(|field| {
                 let found = self.found(field, &file).ok();
                 let variable = found.and_then(|found| variables().find(|own| *own == found.name));
-                (field.to_owned(), variable)
+                (field.clone(), variable)
             })
             .collect())
     }
 
-    /// A table in memory with the rig's names, in SI units.
-    fn of_table(&self, table: &Record) -> Result<(Record, String), ColumnsError> {
-        let file = table.source();
-        // A table's time stands apart from its columns, and has the name that is asked for.
-        let time = self.given.get(TIME).map_or(TIME, |given| &given.column);
-        let header: Vec<&str> = std::iter::once(time).chain(table.names()).collect();
-        let found = self.found_all(&header, file)?;
-        let mut record = Record::new(file, table.time().to_vec())?;
-        for (own, column) in header.iter().zip(&found).skip(1) {
-            record.add_column(&column.name, table.require(own)?.to_vec())?;
-        }
-        let mut said = Vec::new();
-        for column in found {
-            record.convert(&column.name, column.factor);
-            said.extend(column.said);
-        }
-        Ok((record, said.join(", ")))
-    }
-
-    /// The table with the rig's names in its header, time first.
-    fn renamed(&self, text: &str, file: &str) -> Result<(Vec<Found>, String), ColumnsError> {
-        let found = self.found_all(&header(text), file)?;
-        let time = found.iter().position(|column| column.name == TIME);
-        let mut is_header = true;
-        let mut lines = Vec::new();
-        for line in text.lines() {
-            if line.trim().is_empty() {
-                lines.push(String::new());
-                continue;
-            }
-            let mut fields: Vec<&str> = if is_header {
-                found.iter().map(|column| column.name.as_str()).collect()
-            } else {
-                line.split(',').collect()
-            };
-            is_header = false;
-            if let Some(at) = time.filter(|at| *at < fields.len()) {
-                let first = fields.remove(at);
-                fields.insert(0, first);
-            }
-            lines.push(fields.join(","));
-        }
-        Ok((found, lines.join("\n")))
-    }
-
     /// What the columns of this header are; all that the model file names must be there.
-    fn found_all(&self, header: &[&str], file: &str) -> Result<Vec<Found>, ColumnsError> {
+    fn found_all(&self, header: &[String], file: &str) -> Result<Vec<Found>, ColumnsError> {
         for (variable, column) in &self.given {
-            if !header.contains(&column.column.as_str()) {
+            if !header.contains(&column.column) {
                 return Err(ColumnsError::Missing {
                     file: file.to_owned(),
                     column: column.column.clone(),
@@ -453,7 +363,7 @@ mod tests {
     fn read(model: &str, table: &str) -> (Record, String) {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("run-a.csv");
-        fs::write(&path, table).unwrap();
+        std::fs::write(&path, table).unwrap();
         let (columns, rest) = RigColumns::split_off(model, "model.toml").unwrap();
         assert_eq!(rest, "[disc]\ninertia = 1.0\n");
         columns.read(&Part::whole(path)).unwrap()
@@ -478,6 +388,34 @@ mod tests {
         close("i", 0.1);
         assert!(notes.contains("semicolons"), "{notes:?}");
         assert!(notes.contains("from deg to rad"), "{notes:?}");
+    }
+
+    #[test]
+    fn parquet_and_excel_read_as_csv_does() {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+        let read = |file: &str| {
+            let part = Part::parse(&data.join(file)).unwrap();
+            let (record, said) = RigColumns::default().read(&part).unwrap();
+            let columns = record
+                .names()
+                .map(|name| record.column(name).unwrap().to_vec());
+            (record.time().to_vec(), columns.collect::<Vec<_>>(), said)
+        };
+        for span in ["", "@2:6"] {
+            let (time, columns, _) = read(&format!("unbalance/run-a.csv{span}"));
+            for (file, wanted) in [
+                ("tables/run-a.parquet", ""),
+                ("tables/run-a.xlsx", "sheet `bench`"),
+                ("tables/run-a.xlsx#bench", ""),
+            ] {
+                let found = read(&format!("{file}{span}"));
+                assert_eq!(
+                    found,
+                    (time.clone(), columns.clone(), wanted.to_owned()),
+                    "{file}{span}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Files: records (CSV), writing whole or not at all, and journals of long work.
+//! Files: records (CSV, Parquet, Excel), writing whole or not at all, and journals of long work.
 
 pub mod atomic;
 pub mod journal;

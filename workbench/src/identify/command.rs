@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::{Args, Subcommand};
 
 use super::{decay, static_test};
 use crate::analysis::spectrum::Spectrum;
 use crate::cli::Outcome;
-use crate::files::record::Record;
+use crate::files::record::{Dialect, Record, Table};
 
 /// Arguments of `identify`.
 #[derive(Debug, Args)]
@@ -103,55 +103,13 @@ fn print_static(file: &Path) -> anyhow::Result<()> {
 }
 
 fn read_static(file: &Path) -> anyhow::Result<(Vec<f64>, Vec<f64>)> {
-    let name = file.display();
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {name}"))?;
-    if text.trim().is_empty() {
-        bail!("{name}: is empty; a static test has the columns torque [N m] and twist [rad]");
-    }
-    let mut lines = text.trim_start_matches('\u{feff}').lines();
-    let header: Vec<&str> = lines
-        .next()
-        .unwrap_or("")
-        .split(',')
-        .map(str::trim)
-        .collect();
-    let place = |wanted: &str| {
-        header.iter().position(|column| *column == wanted).with_context(|| {
-            format!(
-                "{name}: line 1: no column `{wanted}`; it has {}; a static test has the columns torque [N m] and twist [rad], separated by commas",
-                header.join(", ")
-            )
-        })
-    };
-    let (torque_at, twist_at) = (place("torque")?, place("twist")?);
-    let (mut torque, mut twist) = (Vec::new(), Vec::new());
-    for (index, line) in lines
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty())
-    {
-        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
-        if cells.len() != header.len() {
-            bail!(
-                "{name}: line {}: has {} values; the header names {} columns",
-                index + 2,
-                cells.len(),
-                header.len()
-            );
-        }
-        let number = |at: usize| -> anyhow::Result<f64> {
-            let cell = cells.get(at).copied().unwrap_or("");
-            match cell.parse::<f64>() {
-                Ok(value) if value.is_finite() => Ok(value),
-                _ => bail!(
-                    "{name}: line {}: {} is `{cell}`, not a finite number",
-                    index + 2,
-                    header[at]
-                ),
-            }
-        };
-        torque.push(number(torque_at)?);
-        twist.push(number(twist_at)?);
-    }
+    let name = file.display().to_string();
+    let table = Table::open(file, &name, Dialect::Own)?;
+    let [torque, twist] = table.series(["torque", "twist"]).map_err(|error| {
+        anyhow!(
+            "{error}; a static test has the columns torque [N m] and twist [rad], separated by commas"
+        )
+    })?;
     Ok((torque, twist))
 }
 

@@ -12,6 +12,7 @@ use super::error::StudioError;
 use crate::diagnose::naming::EXPERIMENT_FILE;
 use crate::diagnose::{amend, finding, report};
 use crate::files::atomic;
+use crate::files::record::ENDINGS;
 
 /// File with what was chosen.
 const CHOICES: &str = "studio.json";
@@ -246,14 +247,19 @@ fn safe_name(name: &str) -> Result<String, StudioError> {
         })
         .collect();
     let safe = safe.trim_start_matches('.');
-    let is_known = [".csv", ".txt", ".toml"]
-        .iter()
-        .any(|end| safe.to_ascii_lowercase().ends_with(end) && safe.len() > end.len());
+    let ending = Path::new(safe).extension();
+    let ending = ending.map(|own| own.to_string_lossy().to_ascii_lowercase());
+    let is_known = ending.is_some_and(|own| {
+        ENDINGS
+            .iter()
+            .chain(&["txt", "toml"])
+            .any(|end| own == *end)
+    });
     if is_known && safe.len() <= LONGEST_NAME {
         Ok(safe.to_owned())
     } else {
         Err(StudioError::Input(format!(
-            "{name}: a record is a file .csv or .txt, a model a file .toml, with a name of at most {LONGEST_NAME} letters"
+            "{name}: a record is a file .csv, .txt, .parquet or .xlsx, a model a file .toml, with a name of at most {LONGEST_NAME} letters"
         )))
     }
 }
@@ -266,6 +272,7 @@ mod tests {
     fn names_stay_inside_the_folder() {
         assert_eq!(safe_name("run-a.csv").unwrap(), "run-a.csv");
         assert_eq!(safe_name("../../etc/x.csv").unwrap(), "_.._etc_x.csv");
+        assert_eq!(safe_name("a#b.xlsx").unwrap(), "a_b.xlsx");
         assert_eq!(safe_name("Messung 1@2.CSV").unwrap(), "Messung_1_2.CSV");
         for wrong in [
             "",

@@ -13,6 +13,7 @@ use super::seen::{Seen, channels, see};
 use super::session::{Reading, Session};
 use crate::diagnose::record_part::Part;
 use crate::diagnose::rig_columns::RigColumns;
+use crate::files::record::{file_and_sheet, sheets};
 
 /// A record and what it is for where nobody said otherwise.
 #[derive(Debug, Clone)]
@@ -24,13 +25,11 @@ pub struct Known {
     role: Role,
 }
 
-fn known(path: PathBuf, role: Role) -> Known {
-    let name = path
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned());
+fn known(part: &Part, role: Role) -> Known {
+    let name = part.path.file_name();
     Known {
-        name: name.unwrap_or_default(),
-        path,
+        name: name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        path: part.path.clone(),
         role,
     }
 }
@@ -39,18 +38,18 @@ impl Session {
     /// All records.
     pub fn records(&self) -> Vec<Known> {
         let material = &self.base.material;
-        let learned = material
-            .records
-            .iter()
-            .map(|part| known(part.path.clone(), Role::Learn));
+        let learned = material.records.iter().map(|part| known(part, Role::Learn));
         let held_out = material
             .held_out
             .iter()
-            .map(|part| known(part.path.clone(), Role::HoldOut));
+            .map(|part| known(part, Role::HoldOut));
         let mut all: Vec<Known> = learned.chain(held_out).collect();
-        for name in &self.choices().dropped {
-            all.push(known(self.folder.dropped().join(name), Role::Learn));
-        }
+        let dropped = self.choices().dropped.into_iter();
+        all.extend(dropped.map(|name| Known {
+            path: self.folder.dropped().join(&name),
+            name,
+            role: Role::Learn,
+        }));
         all
     }
 
@@ -99,7 +98,8 @@ impl Session {
             .collect()
     }
 
-    /// Keeps a file that was dropped onto the page: a record, or a model that is believed from then on.
+    /// Keeps a file that was dropped onto the page: a record, a record for each sheet of a workbook, or a model that is
+    /// believed from then on.
     ///
     /// # Errors
     /// The name is no record's or model's, the file cannot be written, or the model is none.
@@ -120,12 +120,20 @@ impl Session {
             .file_name()
             .map(|name| name.to_string_lossy().into_owned());
         let name = name.unwrap_or_default();
+        let mut records: Vec<String> = sheets(content)
+            .iter()
+            .map(|sheet| format!("{name}#{sheet}"))
+            .collect();
+        if records.is_empty() {
+            records.push(name.clone());
+        }
         self.change(false, |choices| {
             if is_model {
                 choices.believed = Believed::Dropped(name);
                 choices.settings.remove(super::models::BELIEVED);
-            } else if !choices.dropped.contains(&name) {
-                choices.dropped.push(name);
+            } else {
+                records.retain(|record| !choices.dropped.contains(record));
+                choices.dropped.append(&mut records);
             }
         })
     }
@@ -163,7 +171,8 @@ impl Session {
     fn reading(&self, name: &str) -> Result<Reading, StudioError> {
         let record = self.record(name)?;
         let material = self.material()?;
-        let stamp = std::fs::metadata(&record.path).ok().map(|file| {
+        let (file, _) = file_and_sheet(&record.path);
+        let stamp = std::fs::metadata(file).ok().map(|file| {
             let time = file
                 .modified()
                 .ok()

@@ -36,7 +36,8 @@ class Case:
         Records to learn from, each with times [s] as index or as column ``time``, the inputs ``u`` [V] and ``N2`` [N], and some
         of ``theta``, ``theta3`` [rad], ``theta_dot``, ``theta3_dot`` [rad/s] and ``i`` [A], of shape (rows,) each; of the full
         rig also ``N1`` [N] and, where measured, ``theta1`` and ``theta1_dot``. A missing value is a hole. Keys of a mapping
-        name the records in messages and in the amended model. A path may end in ``@FROM:TO`` [s].
+        name the records in messages and in the amended model. A path is that of a CSV, Parquet or Excel file; it may end in
+        ``#SHEET`` and in ``@FROM:TO`` [s].
     held_out : table or path, optional
         Record to judge on, never fitted to. Without it the last record is held out, or the last quarter of a single one.
     columns : mapping, optional
@@ -113,7 +114,8 @@ class Case:
         Parameters
         ----------
         directory : str or path
-            Folder with ``model.toml``, ``run-*.csv`` and, if need be, ``held-out.csv``, ``sensors.toml`` and ``effects/``.
+            Folder with ``model.toml``, ``run-*.csv`` (or ``.parquet``, ``.xlsx``) and, if need be, ``held-out.csv``,
+            ``sensors.toml`` and ``effects/``.
         without : iterable of str
             Effects that are left out of the catalogue.
 
@@ -123,7 +125,7 @@ class Case:
             The case.
         """
         case = cls.__new__(cls)
-        count = len(list(FilePath(directory).glob("run-*.csv")))
+        count = len([path for path in FilePath(directory).glob("run-*") if path.suffix in (".csv", ".parquet", ".xlsx")])
         case._start(_native.Case.in_directory(directory, list(without)), count)
         return case
 

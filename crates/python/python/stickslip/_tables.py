@@ -84,7 +84,7 @@ def _columns(table: Any, name: str) -> Iterator[tuple[str, Any]]:
     else:
         raise InputError(
             f"{name}: is a {type(table).__name__}; a table of pandas or polars, a dict of arrays, a structured array of numpy "
-            "or the path of a CSV file is needed"
+            "or the path of a CSV, Parquet or Excel file is needed"
         )
 
 

@@ -22,7 +22,7 @@ pub struct Column {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Columns {
-    /// Time, the first column.
+    /// Time.
     pub time: Column,
     /// Position or angle.
     pub position: Option<Column>,

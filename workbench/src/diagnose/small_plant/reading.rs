@@ -1,6 +1,5 @@
 //! A record of a small plant from its file: columns found, units converted, times made even.
 
-use std::fs;
 use std::path::Path as FilePath;
 
 use super::case::SmallCaseError;
@@ -10,7 +9,7 @@ use super::model_file::SmallModel;
 use super::motion::{Measured, Motion};
 use super::unit::Kind;
 use crate::diagnose::record_part::Part;
-use crate::files::record::{Missing, Record};
+use crate::files::record::{Dialect, Missing, Record, Table};
 
 /// Fewest samples of a record.
 const FEWEST: usize = 100;
@@ -120,33 +119,26 @@ impl<'a> Sheet<'a> {
     ) -> Result<Self, SmallCaseError> {
         let file = part.path.display().to_string();
         let time_name = &model.columns.time.column;
-        let text = match &part.table {
+        let table = match &part.table {
             // A table's time stands apart from its columns, and has the name that is asked for.
-            Some(table) => table.to_csv().replacen("time", time_name, 1),
-            None => fs::read_to_string(&part.path).map_err(|source| SmallCaseError::Read {
-                path: part.path.clone(),
-                source,
-            })?,
+            Some(table) => Table::of_record(table, time_name),
+            None => Table::open(&part.path, &file, Dialect::Any)?,
         };
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let (header, rows) = text.split_once('\n').unwrap_or((text, ""));
-        let names: Vec<&str> = header
-            .split(',')
-            .map(|name| name.trim().trim_matches('"'))
-            .collect();
-        if names.first() != Some(&time_name.as_str()) {
+        if !table.said().is_empty() {
+            notes.push(format!("read from {file}: {}", table.said().join(", ")));
+        }
+        let known = table.names().join(", ");
+        let mut names = table.names().to_vec();
+        let Some(time) = names.iter().position(|name| name == time_name) else {
             return Err(SmallCaseError::Unusable {
                 what: format!(
-                    "the first column is `{}`; the model's [columns] names `{time_name}` as time, which must come first",
-                    names.first().unwrap_or(&"")
+                    "the model's [columns] names `{time_name}` as time, which is not there; it has {known}"
                 ),
                 file,
             });
-        }
-        let known = names.join(", ");
-        let renamed = std::iter::once("time").chain(names.into_iter().skip(1));
-        let text = format!("{}\n{rows}", renamed.collect::<Vec<_>>().join(","));
-        let record = Record::parse(&text, &file, Missing::Refuse)?;
+        };
+        "time".clone_into(&mut names[time]);
+        let record = table.record(&names, Missing::Refuse)?;
         let mut sheet = Self {
             model,
             file,

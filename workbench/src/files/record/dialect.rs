@@ -7,7 +7,8 @@ use std::borrow::Cow;
 /// # Errors
 /// What the file is instead.
 pub fn decode(bytes: &[u8]) -> Result<(String, bool), &'static str> {
-    const NO_TEXT: &str = "is no text; a CSV file is needed";
+    const NO_TEXT: &str =
+        "is no text; a CSV file is needed, or Parquet, or an Excel workbook (.xlsx)";
     let little = match bytes {
         [0xff, 0xfe, ..] | [_, 0, _, 0, ..] => Some(true),
         [0xfe, 0xff, ..] | [0, _, 0, _, ..] => Some(false),

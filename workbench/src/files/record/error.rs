@@ -21,6 +21,64 @@ pub enum RecordError {
     /// The file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The file is none of the kinds that are read.
+    #[error("{file}: {problem}")]
+    NoText {
+        /// The file.
+        file: String,
+        /// What it is instead.
+        problem: &'static str,
+    },
+    /// The file cannot be read to its end.
+    #[error("{file}: is a damaged {kind}: {reason}; write it anew, or as CSV")]
+    Damaged {
+        /// The file.
+        file: String,
+        /// What it is.
+        kind: &'static str,
+        /// What its reader says.
+        reason: String,
+    },
+    /// The file stands for more than can be held.
+    #[error("{file}: is too large, {found}; a record may have {most}")]
+    TooLarge {
+        /// The file.
+        file: String,
+        /// What it has.
+        found: String,
+        /// What it may have.
+        most: String,
+    },
+    /// A column holds something else than numbers.
+    #[error("{file}: column `{column}` holds {found}; numbers are needed: {remedy}")]
+    NoNumbers {
+        /// The file.
+        file: String,
+        /// The column.
+        column: String,
+        /// What it holds.
+        found: String,
+        /// What to do about it.
+        remedy: &'static str,
+    },
+    /// A sheet is named where there are none.
+    #[error("{file}: has no sheets, so none called `{sheet}`; only an Excel workbook (.xlsx) has")]
+    NoSheets {
+        /// The file.
+        file: String,
+        /// The sheet.
+        sheet: String,
+    },
+    /// No sheet of a workbook is clearly meant.
+    #[error("{file}: {problem}; it has the sheets {sheets}")]
+    Sheet {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        problem: String,
+        /// All sheets.
+        sheets: String,
+    },
     /// The file has no header.
     #[error("{file}: is empty; a header such as `time,u,N2` is needed")]
     Empty {
@@ -33,18 +91,18 @@ pub enum RecordError {
         /// The file.
         file: String,
     },
-    /// The first column is not `time`.
+    /// No column of a CSV file is `time`.
     #[error(
-        "{file} line 1: the first column is `{found}`; it must be `time` [s], the others named like the FMU's variables, separated by commas"
+        "{file} line 1: has no column `time` [s], the first column is `{found}`; the others must be named like the FMU's variables, separated by commas"
     )]
-    TimeNotFirst {
+    NoTime {
         /// The file.
         file: String,
         /// What stands there.
         found: String,
     },
     /// A column has no name, or two have the same.
-    #[error("{file} line 1: column {position} is named `{name}`, {problem}")]
+    #[error("{file}: column {position} is named `{name}`, {problem}")]
     ColumnName {
         /// The file.
         file: String,
@@ -56,12 +114,12 @@ pub enum RecordError {
         problem: &'static str,
     },
     /// A line has another number of values than the header.
-    #[error("{file} line {line}: has {found} values; the header names {expected} columns")]
+    #[error("{file} {place}: has {found} values; the header names {expected} columns")]
     FieldCount {
         /// The file.
         file: String,
-        /// Line, counted from 1.
-        line: usize,
+        /// Its line or row.
+        place: String,
         /// Values found.
         found: usize,
         /// Columns in the header.
@@ -69,13 +127,13 @@ pub enum RecordError {
     },
     /// A value is no finite number.
     #[error(
-        "{file} line {line}, column `{column}`: `{found}` {problem}; a finite number such as 1.25e-3 is needed"
+        "{file} {place}, column `{column}`: `{found}` {problem}; a finite number such as 1.25e-3 is needed"
     )]
     Value {
         /// The file.
         file: String,
-        /// Line, counted from 1.
-        line: usize,
+        /// Its line or row.
+        place: String,
         /// Column name.
         column: String,
         /// The value as it stands there.
@@ -85,13 +143,13 @@ pub enum RecordError {
     },
     /// Time stands still or runs backward.
     #[error(
-        "{file} line {line}, column `time`: {found} s comes after {before} s; times must increase from line to line"
+        "{file} {place}, column `time`: {found} s comes after {before} s; times must increase from line to line"
     )]
     TimeOrder {
         /// The file.
         file: String,
-        /// Line, counted from 1.
-        line: usize,
+        /// Its line or row.
+        place: String,
         /// The time on that line [s].
         found: f64,
         /// The time on the line before [s].
