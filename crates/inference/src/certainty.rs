@@ -1,5 +1,7 @@
 //! How certain the numbers of a fit are.
 
+use std::sync::Arc;
+
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::data::{BLOCK, Data};
@@ -7,14 +9,18 @@ use crate::fit::Fit;
 use crate::hypothesis::Estimate;
 use crate::loss::{normal_equations, weight};
 use crate::marginal::Reduced;
-use crate::policy::SURELY;
-use crate::window::Window;
+use crate::policy::{REPLICAS, SURELY};
+use crate::problem::Problem;
+use crate::replica::replica;
+use crate::window::{Begin, Window};
 
 /// Windows in a row that what the sensors' noise does not explain may pull the same way.
 const STRETCH: usize = 2 * BLOCK;
 /// Least degrees of freedom for which [`student`] holds to a hundredth, and least number of stretches whose scatter says anything of
 /// a number: without one of two that tell it, hardly more than the prior is left.
 const LEAST_FREEDOM: f64 = 3.0;
+/// Steps in which the numbers settle on a replica: more move them no further.
+const STEPS: usize = 2;
 
 impl Fit {
     /// Values and standard deviations of all that is free; deviations are NaN where the windows say nothing of a number.
@@ -26,9 +32,55 @@ impl Fit {
     /// larger of the two deviations is given.
     #[must_use]
     pub fn estimates(&self, data: &Data) -> Vec<Estimate> {
-        let covariance = self.covariance(data);
-        self.hypothesis
-            .estimates(|i, j| covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)]))
+        self.estimates_with(self.covariance(data).as_ref())
+    }
+
+    /// The same, with deviations no less than how far the numbers of replicas of the records come out from those that the replicas
+    /// were made with (the parametric bootstrap: Efron and Tibshirani, An Introduction to the Bootstrap, 1993, section 6.5).
+    ///
+    /// Replicas know what no curvature tells: where friction fluctuates, a disc breaks away where it happens to be low, and all
+    /// torques come out smaller.
+    #[must_use]
+    pub fn estimates_beside_replicas(&self, problem: &Problem) -> Vec<Estimate> {
+        let covariance = self.covariance(&problem.long).map(|own| {
+            let student = student(REPLICAS as f64) / SURELY;
+            match self.scatter_of_replicas(problem) {
+                Some(scatter) => scaled(&own, |j| {
+                    (student * (scatter[(j, j)] / own[(j, j)]).sqrt()).max(1.0)
+                }),
+                None => own,
+            }
+        });
+        self.estimates_with(covariance.as_ref())
+    }
+
+    fn estimates_with(&self, covariance: Option<&DMatrix<f64>>) -> Vec<Estimate> {
+        let hypothesis = &self.hypothesis;
+        hypothesis.estimates(|i, j| covariance.map_or(f64::NAN, |c| c[(i, j)]))
+    }
+
+    /// Mean square by which the numbers of replicas miss, and what their priors leave open; `None` where the model cannot run through
+    /// the records.
+    fn scatter_of_replicas(&self, problem: &Problem) -> Option<DMatrix<f64>> {
+        let precisions = self.hypothesis.prior_precisions();
+        let x = DVector::from_column_slice(&self.hypothesis.x);
+        let forms = self.reduced(&problem.long);
+        let (curvature, _) =
+            normal_equations(forms.iter().flatten(), &precisions, &self.hypothesis.x);
+        let inverse = Cholesky::new(curvature)?.inverse();
+        let prior = DMatrix::from_diagonal(&DVector::from_vec(precisions));
+        // A prior pulls numbers towards the analyst's, which is no error of theirs.
+        let pulled = &inverse * &prior * &x;
+        let mut scatter = &inverse * prior * &inverse;
+        for seed in 1..=REPLICAS {
+            let data = problem.windows_of(Arc::new(replica(problem, self, seed)?), Begin::Clear);
+            let hypothesis = self.hypothesis.clone();
+            let again = Fit::at(&data, hypothesis, data.anchors(), self.disturbance);
+            let found = again.improved(&data, STEPS).hypothesis.x;
+            let missed = DVector::from_vec(found) - &x + &pulled;
+            scatter += &missed * missed.transpose() / REPLICAS as f64;
+        }
+        Some(scatter)
     }
 
     fn covariance(&self, data: &Data) -> Option<DMatrix<f64>> {
@@ -74,11 +126,14 @@ fn widened(
         let ratio = (scatter[(j, j)] / inverse[(j, j)]).sqrt();
         (ratio * student(freedom.of(j)) / SURELY).max(1.0)
     };
-    Some(DMatrix::from_fn(
-        inverse.nrows(),
-        inverse.ncols(),
-        |i, j| inverse[(i, j)] * wider(i) * wider(j),
-    ))
+    Some(scaled(&inverse, wider))
+}
+
+/// A covariance whose deviations are multiplied by these factors.
+fn scaled(covariance: &DMatrix<f64>, factor: impl Fn(usize) -> f64) -> DMatrix<f64> {
+    DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
+        covariance[(i, j)] * factor(i) * factor(j)
+    })
 }
 
 /// How many stretches a number's scatter rests on (Satterthwaite's degrees of freedom): as many as tell the same of it.

@@ -65,10 +65,8 @@ pub struct Diagnosis {
     pub base: Fit,
     /// The best set's fit.
     pub best: Fit,
-    /// Values and deviations of all that is free in the best set.
+    /// Values and deviations of all that is free in the fit that the amended model is made of.
     pub estimates: Vec<Estimate>,
-    /// Values and deviations of the analyst's refitted parameters.
-    pub base_estimates: Vec<Estimate>,
     /// Where the analyst's model leaves structure, strongest first.
     pub structure: Vec<Structure>,
     /// Where the best set does, strongest first.
@@ -88,11 +86,8 @@ impl Diagnosis {
 
     /// The fit that the amended model is made of: the best set where it is named, else the analyst's refitted model.
     #[must_use]
-    pub fn amended(&self) -> (&Fit, &[Estimate]) {
-        match self.verdict {
-            Verdict::Named | Verdict::Ambiguous => (&self.best, &self.estimates),
-            _ => (&self.base, &self.base_estimates),
-        }
+    pub fn amended(&self) -> &Fit {
+        amended(self.verdict, &self.best, &self.base)
     }
 }
 
@@ -134,19 +129,27 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
     } else {
         Verdict::Ambiguous
     };
+    progress("what replicas of the records tell of the numbers");
+    let estimates = amended(verdict, &best.fit, &found.base.fit).estimates_beside_replicas(problem);
     Diagnosis {
         verdict,
         effects: best.effects.clone(),
         probability,
         ranking,
-        base_estimates: found.base.fit.estimates(data),
-        estimates: best.fit.estimates(data),
+        estimates,
         base: found.base.fit.clone(),
         best: best.fit.clone(),
         structure,
         structure_left,
         check,
         learned,
+    }
+}
+
+fn amended<'a>(verdict: Verdict, best: &'a Fit, base: &'a Fit) -> &'a Fit {
+    match verdict {
+        Verdict::Named | Verdict::Ambiguous => best,
+        _ => base,
     }
 }
 

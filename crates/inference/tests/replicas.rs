@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use inference::fit::Fit;
+use inference::hypothesis::Estimate;
 use inference::marginal::Disturbance;
 use inference::policy::LN_PRIOR_ODDS;
 use inference::problem::{Catalogue, Problem};
@@ -82,4 +83,23 @@ fn a_seed_gives_the_same_replica_again() {
     let readings = |seed| replica(&problem, &fit, seed).unwrap()[0].readings.clone();
     assert_eq!(readings(5), readings(5));
     assert_ne!(readings(5), readings(6));
+}
+
+#[test]
+fn fluctuating_friction_makes_numbers_less_certain_than_curvature_tells() {
+    let deviations = |relative: f64| {
+        let (problem, fit) = explained(relative);
+        let inertia = |estimates: Vec<Estimate>| {
+            let found = estimates.iter().find(|own| own.name == "disc.inertia");
+            found.unwrap().deviation
+        };
+        [
+            inertia(fit.estimates(&problem.long)),
+            inertia(fit.estimates_beside_replicas(&problem)),
+        ]
+    };
+    let [told, replayed] = deviations(0.04);
+    assert!(replayed > 1.2 * told, "{replayed} {told}");
+    let [told, replayed] = deviations(0.0);
+    assert!((1.0..2.0).contains(&(replayed / told)), "{replayed} {told}");
 }

@@ -118,7 +118,6 @@ fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<
         Verdict::Ambiguous => VerdictName::Ambiguous,
         Verdict::NotInCatalogue => VerdictName::NotInCatalogue,
     };
-    let (fit, estimates) = found.amended();
     // Effects that do not explain the records are not added: the model keeps its refitted parameters alone.
     let effects: Vec<(String, f64)> = match verdict {
         VerdictName::Named | VerdictName::Ambiguous => found
@@ -128,6 +127,7 @@ fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<
             .collect(),
         _ => Vec::new(),
     };
+    let (fit, estimates) = (found.amended(), &found.estimates);
     let mut finding = from_fit(case, problem, verdict, &effects, fit, estimates)?;
     if verdict == VerdictName::Ambiguous {
         finding.alternatives = told(found).map(|rival| joined(&rival.effects)).collect();
@@ -269,7 +269,7 @@ pub fn forced_finding(
             (name.clone(), known.map_or(0.0, |effect| effect.probability))
         })
         .collect();
-    let estimates = forced.fit.estimates(&problem.long);
+    let estimates = forced.fit.estimates_beside_replicas(&problem);
     let mut finding = from_fit(
         case,
         &problem,
