@@ -12,8 +12,8 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::Outcome;
 use crate::diagnose::small_plant::fmu::wrapper;
-use crate::diagnose::small_plant::model_file::{SmallModel, is_small_plant};
-use crate::diagnose::small_plant::unit::Kind;
+use crate::diagnose::small_plant::model_file::SmallModel;
+use stickslip::body::{Kind, is_small_plant};
 
 /// Packs a model.toml and the prebuilt library into FMUs, or an FMU and the effects of its ports file into one.
 #[derive(Debug, Args)]

@@ -5,7 +5,7 @@ use std::path::{Path as FilePath, PathBuf};
 use thiserror::Error;
 
 use super::catalogue::{CATALOGUE, possible};
-use super::effect_file;
+use super::effect_file::{effect, of_user};
 use super::evidence::unit;
 use super::fmu::missing::{Chased, MissingError};
 use super::fmu::plant::Plant;
@@ -17,10 +17,10 @@ use super::reading::read;
 use super::showing::balance;
 use super::start;
 use super::term::Entry;
-use super::unit::Kind;
 use crate::diagnose::material::Material;
 use crate::diagnose::record_part::Part;
 use crate::files::record::RecordError;
+use stickslip::body::{FileError, Kind, read_effects};
 
 /// Least length of all records to learn from together, in periods of the motion.
 const SHORTEST: f64 = 5.0;
@@ -66,6 +66,9 @@ pub enum SmallCaseError {
     /// The model file is wrong.
     #[error(transparent)]
     Model(#[from] SmallModelError),
+    /// A file of effects.
+    #[error(transparent)]
+    Effects(#[from] FileError),
     /// A record is no record.
     #[error(transparent)]
     Record(#[from] RecordError),
@@ -253,8 +256,8 @@ pub fn supposed(
     let Model { kind, path, .. } = model.model;
     let mut all: Vec<(&str, &'static Entry)> = Vec::new();
     for (file, text) in &material.effects {
-        for described in effect_file::read(text, file)? {
-            let entry = described.entry(file, kind, path)?;
+        for described in read_effects(text, file)? {
+            let entry = of_user(effect(&described, file, kind, path)?, kind, path);
             let earlier = all.iter().find(|(_, other)| other.name == entry.name);
             let taken = match earlier {
                 Some((earlier, _)) => Some(format!("{earlier} has an effect of this name; give one of them another")),

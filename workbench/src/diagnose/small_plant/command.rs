@@ -18,13 +18,13 @@ use super::report::page;
 use super::showing::{balance, models_on_the_way, step};
 use super::swing::Swing;
 use super::term::Entry;
-use super::unit::Kind;
 use crate::cli::Outcome;
 use crate::diagnose::amend::FILE as AMENDED;
 use crate::diagnose::finding::VerdictName;
 use crate::diagnose::material::Material;
 use crate::diagnose::report::FILE as REPORT;
 use crate::files::atomic;
+use stickslip::body::Kind;
 
 /// Most times that effects are named anew.
 const MOST_ROUNDS: usize = 4;
