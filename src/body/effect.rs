@@ -68,9 +68,12 @@ impl Effect {
 pub struct Described {
     /// Name in findings.
     pub name: String,
-    title: String,
-    port: String,
-    equation: String,
+    /// What it is, in half a sentence.
+    pub title: String,
+    /// Where it acts.
+    pub port: String,
+    /// Its equation.
+    pub equation: String,
     /// Its numbers by key.
     pub parameters: BTreeMap<String, Number>,
     #[serde(default)]

@@ -50,6 +50,19 @@ impl Kind {
         }
     }
 
+    /// Why a plant of this kind does not move by itself, if it does not.
+    #[must_use]
+    pub fn stands_still(self) -> Option<&'static str> {
+        match self {
+            Self::Drive | Self::Pendulum | Self::Joint => None,
+            Self::Contact => Some("a contact is a law without a body"),
+            Self::Balance => {
+                Some("a balance is the difference from your own model, which stays yours")
+            }
+            Self::Fmu => Some("the effects of an FMU go around it"),
+        }
+    }
+
     /// Whether all its forces are over its moment of inertia, and it is judged by runs of its own.
     #[must_use]
     pub fn runs_alone(self) -> bool {

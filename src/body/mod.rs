@@ -5,15 +5,25 @@
 
 mod base;
 pub mod coordinate;
+mod definition;
 mod dimension;
 mod effect;
 mod file;
 mod kind;
+mod kinks;
+mod motion;
+mod plant;
+mod system;
 
 pub use base::{DRIVE, JOINT, PENDULUM, Parameter, base, parameter};
+pub use definition::Definition;
 pub use dimension::{Dimension, plain};
 pub use effect::{Described, Effect, Number, Port, read as read_effects};
 pub use file::{
     CATALOGUE_FILE, FileError, OWN_EFFECTS, Origin, Plant, Reader, catalogue, is_small_plant,
 };
 pub use kind::{Kind, Path};
+pub use motion::{
+    BodyJet, Branches, CONNECTED, FORCE, GuardKind, INPUTS, Inputs, Mode, Motion, VOLTAGE,
+};
+pub use plant::{Body, Term};

@@ -4,7 +4,7 @@ use super::gains::{Gains, INPUTS};
 use super::law::ControlLaw;
 use super::limited::{Inputs, Mode, Next, Signals, at_start};
 use super::signal::Signal;
-use crate::series::Dual;
+use crate::series::{Dual, shifted};
 use thiserror::Error;
 
 /// Events at one instant after which the modes are taken to chase each other.
@@ -168,7 +168,10 @@ impl Course {
             // At the event itself, which lies within a rounding error of `time`.
             integral: self.signals.integral().value(tau),
             filtered_torque: self.signals.filtered.value(tau),
-            inputs: self.start.inputs.map(|polynomial| shifted(polynomial, tau)),
+            inputs: self
+                .start
+                .inputs
+                .map(|polynomial| shifted(&polynomial, tau)),
             mode: Some(Mode::Within),
         };
         start.mode = Some(Self::new(self.law, start).signals.after(next));
@@ -190,7 +193,10 @@ impl Course {
         time: f64,
     ) -> Result<f64, crate::parameter::ParameterError> {
         let tau = time - self.start.time;
-        let now = self.start.inputs.map(|polynomial| shifted(polynomial, tau));
+        let now = self
+            .start
+            .inputs
+            .map(|polynomial| shifted(&polynomial, tau));
         let mut inputs = at_start(&now).map(|value| Dual::<1> {
             value,
             derivative: [0.0],
@@ -231,16 +237,4 @@ pub enum Known {
     Input(usize),
     /// The parameter at this position of the law's list.
     Parameter(usize),
-}
-
-/// The polynomial about an instant `tau` later.
-fn shifted(mut c: [f64; 4], tau: f64) -> [f64; 4] {
-    if c[1..].iter().any(|coefficient| *coefficient != 0.0) {
-        for first in 0..c.len() {
-            for k in (first..c.len() - 1).rev() {
-                c[k] += tau * c[k + 1];
-            }
-        }
-    }
-    c
 }

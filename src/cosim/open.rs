@@ -1,9 +1,11 @@
 //! From the text of `model.toml` to the model that it describes.
 
+use super::body::BodyModel;
 use super::controller::ControllerModel;
 use super::model::{CoSimulationModel, ModelError};
 use super::rig::RigModel;
 use super::rig::exchange::RigExchange;
+use crate::body::{Body, is_small_plant};
 use crate::controller::{ControlLaw, is_controller};
 use crate::plant::Rig;
 
@@ -21,6 +23,10 @@ pub fn open(text: &str, file_name: &str) -> Result<Box<dyn CoSimulationModel>, M
         let model = ControllerModel::new(law, text).map_err(table_error)?;
         return Ok(Box::new(model));
     }
+    if is_small_plant(text) {
+        let body = Body::from_toml(text, file_name).map_err(ModelError::from_display)?;
+        return Ok(Box::new(BodyModel::new(body, text).map_err(table_error)?));
+    }
     let rig = Rig::from_toml(text, file_name).map_err(ModelError::from_display)?;
     let model = RigModel::new(rig, text).map_err(table_error)?;
     Ok(Box::new(model))
@@ -34,10 +40,15 @@ pub fn open_for_exchange(
     text: &str,
     file_name: &str,
 ) -> Result<Box<dyn CoSimulationModel>, ModelError> {
-    if is_controller(text) {
-        return Err(ModelError(format!(
-            "{file_name}: a controller is for co-simulation only"
-        )));
+    for (is_it, what) in [
+        (is_controller(text), "controller"),
+        (is_small_plant(text), "small plant"),
+    ] {
+        if is_it {
+            return Err(ModelError(format!(
+                "{file_name}: a {what} is for co-simulation only"
+            )));
+        }
     }
     let rig = Rig::from_toml(text, file_name).map_err(ModelError::from_display)?;
     let model = RigExchange::new(rig, text);

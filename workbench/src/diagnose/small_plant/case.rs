@@ -52,6 +52,9 @@ pub struct SmallCase {
     pub notes: Vec<String>,
 }
 
+/// How a note begins that tells why there is no FMU.
+pub const NO_FMU: &str = "no FMU was built";
+
 /// Why a small plant's case cannot be used.
 #[derive(Debug, Error)]
 pub enum SmallCaseError {
@@ -220,6 +223,9 @@ pub fn load(
              motion that they show"
         )));
     }
+    let why = model.model.kind.stands_still().filter(|_| chased.is_none());
+    let without_fmu =
+        why.map(|why| format!("{NO_FMU}: {why}; model.amended.toml is the amended model"));
     let mut case = SmallCase {
         known: 0.0,
         name: material.name.clone(),
@@ -233,10 +239,7 @@ pub fn load(
         notes: notes
             .into_iter()
             .chain(chased.iter().flat_map(|chased| chased.plant.notes.clone()))
-            .chain(chased.is_none().then(|| {
-                "no FMU was built: the library's rigs do not include such a plant; model.amended.toml is the amended model"
-                    .to_owned()
-            }))
+            .chain(without_fmu)
             .collect(),
         chased,
     };
