@@ -64,3 +64,26 @@ pub fn rmse(measured: &[f64], model: &[f64]) -> f64 {
     let squares = measured.iter().zip(model).map(|(y, m)| (y - m).powi(2));
     (squares.sum::<f64>() / measured.len() as f64).sqrt()
 }
+
+/// Root mean square of the difference between a record and the free run of an FMU from the start near `start` that fits it best.
+pub fn best_rmse(fmu: &Path, start: [f64; 2], times: &[f64], measured: &[f64]) -> f64 {
+    let run = |start| positions(fmu, start, times, &[]);
+    let mut start = start;
+    for _ in 0..2 {
+        let course = run(start);
+        let nudge = 1e-5;
+        let slopes = [
+            run([start[0] + nudge, start[1]]),
+            run([start[0], start[1] + nudge]),
+        ];
+        let sum = |of: &dyn Fn(usize) -> f64| (0..times.len()).map(of).sum::<f64>();
+        let slope = |at: usize, by: usize| (slopes[by][at] - course[at]) / nudge;
+        let product = |a: usize, b: usize| sum(&|at| slope(at, a) * slope(at, b));
+        let pull = |by: usize| sum(&|at| slope(at, by) * (measured[at] - course[at]));
+        let (aa, ab, bb) = (product(0, 0), product(0, 1), product(1, 1));
+        let determinant = aa * bb - ab * ab;
+        start[0] += (bb * pull(0) - ab * pull(1)) / determinant;
+        start[1] += (aa * pull(1) - ab * pull(0)) / determinant;
+    }
+    rmse(measured, &run(start))
+}

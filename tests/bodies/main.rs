@@ -2,127 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
-mod body_reference;
+mod bad_input;
+mod plants;
+mod reference;
 
-use body_reference::Reference;
+use plants::{JOINT, PENDULUM, Run, SLED, SPRING};
+use reference::Reference;
 use std::cell::Cell;
 use std::f64::consts::PI;
-use stickslip::cosim::{self, CoSimulationModel, StateReader, StateWriter};
-
-/// A mass on a spring, 2 kg and 50 N/m, with 3 N of dry friction.
-const SPRING: &str = r#"
-[plant]
-kind = "drive"
-path = "line"
-[drive]
-inertia = 2.0
-viscous = 0.0
-offset = 0.0
-[elastic_force]
-linear = 50.0
-square = 0.0
-[coulomb_friction]
-force = 3.0
-"#;
-
-/// A mass alone with 3 N of dry friction.
-const SLED: &str = r#"
-[plant]
-kind = "drive"
-path = "line"
-[drive]
-inertia = 2.0
-viscous = 0.0
-offset = 0.0
-[coulomb_friction]
-force = 3.0
-"#;
-
-const PENDULUM: &str = r#"
-[plant]
-kind = "pendulum"
-path = "turn"
-[pendulum]
-stiffness = 40.0
-rest = 0.0
-viscous = 0.0
-[coulomb_friction]
-force = 1.5
-"#;
-
-/// A joint whose friction grows with the motor's torque and the weight.
-const JOINT: &str = r#"
-[plant]
-kind = "joint"
-path = "turn"
-[joint]
-stiffness = 72.0
-rest = 0.0
-viscous = 1.0
-gain = 15.0
-back_emf = 10.0
-[coulomb_friction]
-force = 4.0
-[stribeck]
-excess = 2.0
-speed = 0.4
-[motor_load_friction]
-coefficient = 0.15
-[external_load_friction_square]
-coefficient = 0.002
-"#;
-
-struct Run(Box<dyn CoSimulationModel>);
-
-impl Run {
-    /// A run that is at the end of its initialisation, at this tolerance and with these start values.
-    fn at(text: &str, tolerance: Option<f64>, values: &[(&str, f64)]) -> Self {
-        let mut run = Self(cosim::open(text, "test").unwrap());
-        run.0.set_up(0.0, tolerance);
-        for (name, value) in values {
-            run.set(name, *value);
-        }
-        run.0.initialise().unwrap();
-        run
-    }
-
-    fn new(text: &str, values: &[(&str, f64)]) -> Self {
-        Self::at(text, None, values)
-    }
-
-    fn reference(&self, name: &str) -> u32 {
-        self.0.table().find(name).unwrap().value_reference
-    }
-
-    fn set(&mut self, name: &str, value: f64) {
-        let reference = self.reference(name);
-        self.0.set_real(reference, value).unwrap();
-    }
-
-    fn get(&mut self, name: &str) -> f64 {
-        let reference = self.reference(name);
-        self.0.real(reference).unwrap()
-    }
-
-    fn stuck(&mut self) -> bool {
-        let reference = self.reference("stuck");
-        self.0.boolean(reference).unwrap()
-    }
-
-    fn step(&mut self, until: f64) {
-        self.0.step(until, false).unwrap();
-    }
-
-    fn state(&mut self) -> [f64; 4] {
-        ["position", "velocity", "friction", "acceleration"].map(|name| self.get(name))
-    }
-
-    fn saved(&self) -> Vec<u8> {
-        let mut state = StateWriter::default();
-        self.0.save(&mut state);
-        state.into_bytes()
-    }
-}
+use stickslip::cosim::{self, StateReader};
 
 fn close(found: f64, expected: f64, tolerance: f64) {
     assert!(
@@ -472,85 +360,44 @@ fn a_joint_whose_terminals_are_open_is_a_pendulum() {
 }
 
 #[test]
-fn a_wrong_file_is_refused_with_section_key_and_what_is_right() {
-    let refused = |text: &str| cosim::open(text, "plant.toml").err().unwrap().to_string();
-    for (from, to, wanted) in [
-        (
-            "[coulomb_friction]",
-            "[coulomb]",
-            "there is no section [coulomb] in the model of a drive; known are plant",
-        ),
-        (
-            "inertia = 2.0\n",
-            "",
-            "[drive] is missing or lacks inertia; it needs inertia [kg], mass",
-        ),
-        (
-            "inertia = 2.0",
-            "inertia = -2.0",
-            "[drive] inertia = -2 must be a finite number above 0",
-        ),
-        (
-            "inertia = 2.0",
-            "inertia = { value = 2.0, unit = \"g\" }",
-            "[drive] inertia.unit = \"g\" must be \"kg\"",
-        ),
-        (
-            "[coulomb_friction]\nforce",
-            "[hardening]\ncoefficient",
-            "there is no section [hardening] in the model of a drive",
-        ),
-        (
-            "force = 3.0",
-            "force = 3.0\nwidth = 1.0",
-            "there is no key width in [coulomb_friction]",
-        ),
-        (
-            "kind = \"drive\"",
-            "kind = \"balance\"",
-            "your own model, which stays yours",
-        ),
-        (
-            "kind = \"drive\"",
-            "kind = \"contact\"",
-            "a law without a body",
-        ),
-        (
-            "kind = \"drive\"",
-            "kind = \"slide\"",
-            "one of drive, pendulum, contact",
-        ),
-        ("path = \"line\"", "path = \"curve\"", "one of line, turn"),
-        (
-            "[coulomb_friction]\nforce = 3.0",
-            "[sensor_delay]\ndelay = 0.01",
-            "an effect of the readings, not of the motion",
-        ),
-    ] {
-        assert!(SLED.contains(from), "{from}");
-        let message = refused(&SLED.replace(from, to));
-        assert!(
-            message.starts_with("plant.toml: ") && message.contains(wanted),
-            "{message}"
-        );
-    }
-    let own = |equation: &str| {
-        refused(&format!(
-            "{SLED}[[effect]]\nname = \"own\"\ntitle = \"t\"\nport = \"plant.force\"\nequation = \"{equation}\"\n\
-             parameters.size = {{ value = 1.0, unit = \"N.s4/m2\", description = \"d\" }}\n"
-        ))
-    };
-    let message = own("size * acceleration^2");
-    assert!(
-        message.contains("[effect own] equation")
-            && message.contains("in proportion to the acceleration"),
-        "{message}"
+fn a_stop_gives_the_speed_back_after_half_a_period_of_its_spring() {
+    let text = r#"
+[plant]
+kind = "drive"
+path = "line"
+[drive]
+inertia = 2.0
+viscous = 0.0
+offset = 0.0
+[[effect]]
+name = "stop"
+title = "a stiff spring at the end of the way"
+port = "plant.force"
+equation = "stiffness * max(position - place, length*0)"
+parameters.stiffness = { value = 800.0, unit = "N/m", description = "of the spring" }
+parameters.place = { value = 0.5, unit = "m", description = "where it begins" }
+parameters.length = { value = 1.0, unit = "m", description = "any length" }
+"#;
+    let mut run = Run::new(text, &[("velocity", 1.0)]);
+    let touching = PI / 20.0;
+    run.step(0.5 + 0.5 * touching);
+    close(run.get("velocity"), 0.0, 1e-9);
+    close(run.get("position"), 0.55, 1e-12);
+    run.step(2.0);
+    close(run.get("velocity"), -1.0, 1e-9);
+    close(run.get("position"), 0.5 - (1.5 - touching), 1e-9);
+}
+
+#[test]
+fn a_body_that_sticks_breaks_away_at_the_instant_at_which_a_fast_force_reaches_the_friction() {
+    let text = format!(
+        "{SLED}[[effect]]\nname = \"hum\"\ntitle = \"a force that swings fast\"\nport = \"plant.force\"\n\
+         equation = \"-size * sin(rate * time)\"\n\
+         parameters.size = {{ value = 4.0, unit = \"N\", description = \"its size\" }}\n\
+         parameters.rate = {{ value = 100.0, unit = \"1/s\", description = \"its rate\" }}\n"
     );
-    let message = own("size * acceleration^2 +");
-    assert!(
-        message.contains("effect own: equation") && message.contains("column"),
-        "{message}"
-    );
-    let message = own("size * speed^2");
-    assert!(message.contains("speed"), "{message}");
+    let mut run = Run::new(&text, &[]);
+    let end = run.0.step(1.0, true).unwrap();
+    assert!(end.switched);
+    close(end.time, 0.75_f64.asin() / 100.0, 1e-12);
 }
