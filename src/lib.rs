@@ -3,6 +3,7 @@
 //!
 //! Dependencies run one way: friction ← plant ← cosim ← ffi; the integrator knows no plant.
 
+pub mod body;
 pub mod controller;
 pub mod cosim;
 pub mod expression;

@@ -6,7 +6,7 @@ use super::law::ControlLaw;
 use super::limited::{Inputs, Mode, Next, Signals, at_start};
 use super::signal::Signal;
 use crate::parameter::ParameterError;
-use crate::series::{Dual, Scalar};
+use crate::series::{Dual, Scalar, shifted};
 use thiserror::Error;
 
 /// Events at one instant after which the modes are taken to chase each other.
@@ -175,7 +175,10 @@ impl Course {
             // At the event itself, which lies within a rounding error of `time`.
             integral: self.signals.integral().value(tau),
             filtered_torque: self.signals.filtered.value(tau),
-            inputs: self.start.inputs.map(|polynomial| shifted(polynomial, tau)),
+            inputs: self
+                .start
+                .inputs
+                .map(|polynomial| shifted(&polynomial, tau)),
             mode: Some(Mode::Within),
         };
         start.mode = Some(Self::new(self.law, start).signals.after(next));
@@ -198,7 +201,7 @@ impl Course {
 
     fn inputs(&self, time: f64) -> [f64; INPUTS] {
         let tau = time - self.start.time;
-        at_start(&self.start.inputs.map(|polynomial| shifted(polynomial, tau)))
+        at_start(&self.start.inputs.map(|polynomial| shifted(&polynomial, tau)))
     }
 
     /// The instant `time` [s] of the present stretch with partial derivatives with respect to input or parameter, the controller's
@@ -233,16 +236,4 @@ pub enum Known {
     Input(usize),
     /// The parameter at this position of the law's list.
     Parameter(usize),
-}
-
-/// The polynomial about an instant `tau` later.
-fn shifted(mut c: [f64; 4], tau: f64) -> [f64; 4] {
-    if c[1..].iter().any(|coefficient| *coefficient != 0.0) {
-        for first in 0..c.len() {
-            for k in (first..c.len() - 1).rev() {
-                c[k] += tau * c[k + 1];
-            }
-        }
-    }
-    c
 }

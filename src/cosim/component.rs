@@ -1,4 +1,4 @@
-//! A rig or a controller behind the one model interface.
+//! A rig, a controller or a body behind the one model interface.
 
 use super::identity::Identity;
 use super::input_signals::InputSignals;
@@ -46,13 +46,14 @@ impl<C: Course<INPUTS, STARTS>, const INPUTS: usize, const STARTS: usize>
     pub(super) fn new(part: C::Part, model_toml: &str) -> Result<Self, TableError> {
         let (table, quantities) = part.rows()?;
         let token = Token::new(&table, model_toml);
+        let signals = signals_at_start(&quantities, &table);
         Ok(Self {
             table: Arc::new(table),
             quantities,
             token,
             original: part,
             part,
-            signals: InputSignals::default(),
+            signals,
             start_values: [0.0; STARTS],
             tolerance: None,
             time: part.identity().default_experiment.start_time,
@@ -112,6 +113,20 @@ impl<C: Course<INPUTS, STARTS>, const INPUTS: usize, const STARTS: usize>
             .map_or("", |variable| &variable.name);
         ModelError(format!("\"{name}\" is not {kind}"))
     }
+}
+
+/// The inputs at the start values that the table gives.
+fn signals_at_start<S: Copy, const INPUTS: usize>(
+    quantities: &[Quantity<S>],
+    table: &VariableTable,
+) -> InputSignals<INPUTS> {
+    let mut signals = InputSignals::default();
+    for (quantity, variable) in quantities.iter().zip(table.variables()) {
+        if let (Quantity::Input(place), Some(start)) = (quantity, variable.start) {
+            signals.set_value(*place, start, signals.centre);
+        }
+    }
+    signals
 }
 
 impl<C: Course<INPUTS, STARTS>, const INPUTS: usize, const STARTS: usize> CoSimulationModel
@@ -309,7 +324,7 @@ impl<C: Course<INPUTS, STARTS>, const INPUTS: usize, const STARTS: usize> CoSimu
 
     fn reset(&mut self) {
         self.part = self.original;
-        self.signals = InputSignals::default();
+        self.signals = signals_at_start(&self.quantities, &self.table);
         self.start_values = [0.0; STARTS];
         self.tolerance = None;
         self.time = self.identity().default_experiment.start_time;

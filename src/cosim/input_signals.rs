@@ -6,6 +6,7 @@
 
 use super::identity::MAX_INPUT_DERIVATIVE_ORDER;
 use super::state::{StateError, StateReader, StateWriter};
+use crate::series::shifted;
 
 /// Number of coefficients of an input polynomial: value and derivatives.
 const TERMS: usize = MAX_INPUT_DERIVATIVE_ORDER as usize + 1;
@@ -119,20 +120,6 @@ impl<const N: usize> InputSignals<N> {
         }
         Ok(signals)
     }
-}
-
-/// The polynomial about a centre that lies `tau` later.
-fn shifted(polynomial: &Polynomial, tau: f64) -> Polynomial {
-    let mut c = *polynomial;
-    if c[1..].iter().all(|coefficient| *coefficient == 0.0) {
-        return c;
-    }
-    for first in 0..TERMS {
-        for k in (first..TERMS - 1).rev() {
-            c[k] += tau * c[k + 1];
-        }
-    }
-    c
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! Nothing here knows the C interfaces; [`crate::ffi`] stands on it.
 
+mod body;
 mod component;
 mod controller;
 mod exchange;
@@ -13,6 +14,7 @@ mod open;
 mod part;
 mod rig;
 mod rows;
+mod segments;
 pub mod state;
 #[cfg(test)]
 pub(crate) mod test_model;

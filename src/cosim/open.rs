@@ -1,8 +1,10 @@
 //! From the text of `model.toml` to the model that it describes.
 
+use super::body::BodyModel;
 use super::controller::{ControllerExchange, ControllerModel};
 use super::model::{CoSimulationModel, ModelError};
 use super::rig::{RigExchange, RigModel};
+use crate::body::{Body, is_small_plant};
 use crate::controller::{ControlLaw, is_controller};
 use crate::plant::Rig;
 
@@ -19,6 +21,10 @@ pub fn open(text: &str, file_name: &str) -> Result<Box<dyn CoSimulationModel>, M
         let law = ControlLaw::from_toml(text, file_name).map_err(ModelError::from_display)?;
         let model = ControllerModel::new(law, text).map_err(table_error)?;
         return Ok(Box::new(model));
+    }
+    if is_small_plant(text) {
+        let body = Body::from_toml(text, file_name).map_err(ModelError::from_display)?;
+        return Ok(Box::new(BodyModel::new(body, text).map_err(table_error)?));
     }
     let rig = Rig::from_toml(text, file_name).map_err(ModelError::from_display)?;
     let model = RigModel::new(rig, text).map_err(table_error)?;
@@ -39,6 +45,11 @@ pub fn open_for_exchange(
         return Ok(Box::new(
             ControllerExchange::new(law, text).map_err(refused)?,
         ));
+    }
+    if is_small_plant(text) {
+        return Err(ModelError(format!(
+            "{file_name}: a small plant is for co-simulation only"
+        )));
     }
     let rig = Rig::from_toml(text, file_name).map_err(ModelError::from_display)?;
     Ok(Box::new(RigExchange::new(rig, text).map_err(refused)?))

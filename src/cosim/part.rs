@@ -1,4 +1,4 @@
-//! What a [`Component`](super::component::Component) asks of the things that it can be: a rig, a controller.
+//! What a [`Component`](super::component::Component) asks of the things that it can be: a rig, a controller, a body.
 
 use super::identity::Identity;
 use super::input_signals::InputSignals;

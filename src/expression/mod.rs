@@ -21,5 +21,5 @@ pub use dimension::Dimension;
 pub use error::ExpressionError;
 pub use name::check_name;
 pub use parse::{FUNCTIONS, Names, parse};
-pub use program::{ExpressionJet, Program, SITES, Site};
+pub use program::{ExpressionJet, MOST_PARAMETERS, Program, SITES, Site};
 pub use table::{Interpolation, Table, TableError};

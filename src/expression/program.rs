@@ -1,12 +1,13 @@
 //! An equation as a list of operations, and the branches on which its kinks are.
 
-use super::coordinate::COORDINATES;
 use super::{Dimension, ExpressionError, Table};
 use crate::series::{Scalar, Series, TERMS};
 use operations::Operation;
 
-/// Most kinks of all equations of a rig together.
+/// Most kinks of all equations of a plant together.
 pub const SITES: usize = 12;
+/// Most parameters of one equation.
+pub const MOST_PARAMETERS: usize = 6;
 
 /// A place where an equation is not smooth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,7 +145,7 @@ impl Program {
     /// The branches on which every site is at these values.
     pub fn branches<S: Scalar>(
         &self,
-        coordinates: &[S; COORDINATES],
+        coordinates: &[S],
         parameters: &[S],
         branches: &mut [i32],
         jet: &mut ExpressionJet<S>,
@@ -161,7 +162,7 @@ impl Program {
     pub fn expand_order<S: Scalar>(
         &self,
         k: usize,
-        coordinates: &[S; COORDINATES],
+        coordinates: &[S],
         parameters: &[S],
         branches: &[i32],
         jet: &mut ExpressionJet<S>,

@@ -1,7 +1,6 @@
 //! Taylor coefficients of each operation, order by order.
 
 use super::Program;
-use super::coordinate::COORDINATES;
 use super::program::ExpressionJet;
 use crate::series::{RECIPROCAL, Scalar, Series, convolution, cosine_sine, exponential};
 use operations::Operation;
@@ -13,7 +12,7 @@ impl Program {
         &self,
         node: usize,
         k: usize,
-        coordinates: &[S; COORDINATES],
+        coordinates: &[S],
         parameters: &[S],
         branches: &[i32],
         jet: &mut ExpressionJet<S>,

@@ -32,7 +32,6 @@ mod tangent;
 
 pub use crate::parameter::{ModelFileError, Parameter, Provenance};
 pub use effects::*;
-pub use equation::MOST_PARAMETERS as MOST_EFFECT_PARAMETERS;
 pub use equation::{Definition, EquationEffect, EquationEffects, Port, SiUnits, Supposition};
 pub use indicators::{Indicators, MOST_INDICATORS};
 pub use inputs::{INPUT_TERMS, RigInputs};

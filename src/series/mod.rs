@@ -12,7 +12,7 @@ mod vertical_tangent;
 pub use dual::Dual;
 pub use power_series::{
     RECIPROCAL, Series, TERMS, convolution, cosine_sine, evaluate, evaluate_derivative,
-    exponential, lower_bound,
+    exponential, lower_bound, shifted,
 };
 pub use root::first_loss_of_sign;
 pub use scalar::Scalar;

@@ -19,6 +19,19 @@ pub const RECIPROCAL: [f64; TERMS] = {
     table
 };
 
+/// The polynomial with these coefficients about a centre that lies `tau` later.
+pub fn shifted<const N: usize>(coefficients: &[f64; N], tau: f64) -> [f64; N] {
+    let mut c = *coefficients;
+    if c.iter().skip(1).any(|coefficient| *coefficient != 0.0) {
+        for first in 0..N {
+            for k in (first..N - 1).rev() {
+                c[k] += tau * c[k + 1];
+            }
+        }
+    }
+    c
+}
+
 /// Σ a\[j\] b\[last − j\] over the whole of two slices of equal length.
 #[inline(always)]
 pub fn convolution<S: Scalar>(a: &[S], b: &[S]) -> S {

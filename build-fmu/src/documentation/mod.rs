@@ -1,6 +1,7 @@
 //! `documentation/index.html` of an FMU: equations, signs, variables, parameters with their sources. One
 //! file without scripts or links to elsewhere.
 
+mod body;
 mod controller;
 pub mod equations;
 mod mathml;
@@ -29,25 +30,31 @@ pub fn page(
     references: &[(String, String)],
 ) -> String {
     let name = facts.identity.model_identifier;
-    let mut sections = match controller::equations(model_toml) {
-        Some(law) => vec![
-            introduction(facts),
-            controller::signs(),
-            format!("<h2>Equations</h2>\n{}", group(&law)),
-            variables(facts),
-            parameters(facts, model_toml),
-            controller::usage(facts),
-        ],
-        None => vec![
-            introduction(facts),
+    let (signs, equations, usage, is_rig) = match controller::equations(model_toml) {
+        Some(law) => {
+            let law = format!("<h2>Equations</h2>\n{}", group(&law));
+            (controller::signs(), law, controller::usage(facts), false)
+        }
+        None if model_toml.contains_key("plant") => {
+            let equations = body::equations(model_toml);
+            (body::signs(), equations, body::usage(facts), false)
+        }
+        None => (
             signs(),
             model_equations(facts, model_toml),
-            variables(facts),
-            parameters(facts, model_toml),
-            misprints(),
             usage(facts),
-        ],
+            true,
+        ),
     };
+    let mut sections = vec![
+        introduction(facts),
+        signs,
+        equations,
+        variables(facts),
+        parameters(facts, model_toml),
+    ];
+    sections.extend(is_rig.then(misprints));
+    sections.push(usage);
     if references.iter().any(|(name, _)| name == PAGE) {
         sections.push(reference_run());
     }
@@ -111,33 +118,36 @@ fn model_equations(facts: &Facts<'_>, model: &toml::Table) -> String {
     {
         html.push_str(&group(&effect));
     }
-    let written = model.get("effect").and_then(toml::Value::as_array);
-    for effect in written.into_iter().flatten() {
-        html.push_str(&written_effect(effect));
-    }
+    html.push_str(&written_effects(model));
     html
+}
+
+/// The effects that the model file describes by equations.
+fn written_effects(model: &toml::Table) -> String {
+    let written = model.get("effect").and_then(toml::Value::as_array);
+    written.into_iter().flatten().map(written_effect).collect()
 }
 
 /// An effect that the model file describes by an equation, in the words of its author.
 fn written_effect(effect: &toml::Value) -> String {
     let words = |key: &str| {
-        escape(
-            effect
-                .get(key)
-                .and_then(toml::Value::as_str)
-                .unwrap_or_default(),
-        )
+        let text = effect.get(key).and_then(toml::Value::as_str);
+        text.unwrap_or_default()
     };
-    let source = match effect.get("source") {
-        Some(_) => words("source"),
-        None => "the model file".to_owned(),
+    let source = match words("source") {
+        "" => "the model file",
+        source => source,
     };
+    let [title, name, port, equation] = ["title", "name", "port", "equation"].map(words);
+    effect_by_equation([title, name, port, equation, source])
+}
+
+/// An effect's title, name, port, equation and source.
+fn effect_by_equation(words: [&str; 5]) -> String {
+    let [title, name, port, equation, source] = words.map(escape);
     format!(
-        "<h3>{} (<code>{}</code>)</h3>\n<p><code>{} = {}</code></p>\n<p><small>Source: {source}</small></p>\n",
-        words("title"),
-        words("name"),
-        words("port"),
-        words("equation"),
+        "<h3>{title} (<code>{name}</code>)</h3>\n<p><code>{port} = {equation}</code></p>\n\
+         <p><small>Source: {source}</small></p>\n"
     )
 }
 

@@ -6,12 +6,12 @@ use build_fmu::build::Source;
 use build_fmu::library;
 use build_fmu::platform::{FmiVersion, Platform};
 use pyo3::prelude::*;
+use stickslip::body::is_small_plant;
 use stickslip::controller::is_controller;
 use stickslip::parameter::ParameterInfo;
 use stickslip::plant::{ModelFile, Provenance, RigKind};
 use workbench::component::{Component, Native, Role, closest};
 use workbench::diagnose::rig_columns::RigColumns;
-use workbench::diagnose::small_plant::model_file::is_small_plant;
 
 use crate::errors::{InputError, any_error, input_error};
 

@@ -1,13 +1,14 @@
 //! The course of a rig: the run that computes it, what it tells the log and what its sensors remember.
 
 use super::delay_line::DelayLine;
-use super::derivatives::{indicator, partial_derivative, time_derivative};
+use super::derivatives::{indicator, partial_derivative};
 use super::input_signals::InputSignals;
 use super::notice::{Notice, What};
 use super::state::{read_snapshot, write_snapshot};
 use super::variables::{CHANNELS, Friction, Signal};
 use crate::cosim;
 use crate::cosim::part::{self, Known, read_parameters, write_parameters};
+use crate::cosim::segments::{self, Segments, time_derivative};
 use crate::cosim::{ModelError, StateError, StateReader, StateWriter, StepEnd};
 use crate::integrator::{HybridSystem, IntegrationError, Options, Simulation};
 use crate::plant::{Coupling, Rig, RigInputs, RigJet, RigMode, RigState, STATES, index};
@@ -50,8 +51,40 @@ impl Course {
         })
     }
 
-    /// Goes to the next segment; whether a contact began to stick or to slip.
-    fn next_segment(&mut self) -> Result<bool, IntegrationError> {
+    fn remember(&mut self) {
+        if let Some(line) = &mut self.delay_line {
+            line.keep(&self.run);
+        }
+    }
+
+    /// What `read` makes of the polynomial of a signal and the local time that `time` [s] is.
+    fn polynomial<R>(
+        &self,
+        signal: Signal,
+        time: f64,
+        read: impl FnOnce(&[f64], f64) -> R,
+    ) -> Option<R> {
+        if let (Some(line), Signal::State(place @ (index::THETA | index::OMEGA))) =
+            (&self.delay_line, signal)
+        {
+            return Some(line.read(&self.run, place, time, read));
+        }
+        let series = series(self.run.system(), self.run.jet(), signal)?;
+        Some(read(series, time - self.run.segment_start()))
+    }
+}
+
+impl Segments for Course {
+    fn begin(&self) -> f64 {
+        self.run.segment_start()
+    }
+
+    #[inline]
+    fn end(&self) -> f64 {
+        self.run.segment_end()
+    }
+
+    fn next(&mut self) -> Result<bool, IntegrationError> {
         self.remember();
         let before = stuck(self.run.mode());
         let jumps = self.run.statistics().branch_jumps;
@@ -75,28 +108,6 @@ impl Course {
             });
         }
         Ok(before != after)
-    }
-
-    fn remember(&mut self) {
-        if let Some(line) = &mut self.delay_line {
-            line.keep(&self.run);
-        }
-    }
-
-    /// What `read` makes of the polynomial of a signal and the local time that `time` [s] is.
-    fn polynomial<R>(
-        &self,
-        signal: Signal,
-        time: f64,
-        read: impl FnOnce(&[f64], f64) -> R,
-    ) -> Option<R> {
-        if let (Some(line), Signal::State(place @ (index::THETA | index::OMEGA))) =
-            (&self.delay_line, signal)
-        {
-            return Some(line.read(&self.run, place, time, read));
-        }
-        let series = series(self.run.system(), self.run.jet(), signal)?;
-        Some(read(series, time - self.run.segment_start()))
     }
 }
 
@@ -140,7 +151,7 @@ impl part::Course<CHANNELS, STATES> for Course {
         }
         let mut switched = false;
         while self.run.segment_end() <= now {
-            switched |= self.next_segment().map_err(ModelError::from_display)?;
+            switched |= self.next().map_err(ModelError::from_display)?;
         }
         Ok(switched)
     }
@@ -156,33 +167,8 @@ impl part::Course<CHANNELS, STATES> for Course {
         until: f64,
         stop_at_switch: bool,
     ) -> Result<StepEnd, ModelError> {
-        let mut switched = false;
-        let mut stop = false;
-        let budget = segment_budget(until - begin);
-        for _ in 0..budget {
-            if self.run.segment_end() >= until {
-                return Ok(StepEnd {
-                    time: until,
-                    switched,
-                });
-            }
-            let switch = self.next_segment().map_err(ModelError::from_display)?;
-            let now = self.run.segment_start();
-            switched |= switch;
-            stop |= switch && stop_at_switch && now > begin;
-            // Several switches may fall on one instant.
-            if stop && self.run.segment_end() > now {
-                return Ok(StepEnd {
-                    time: now,
-                    switched,
-                });
-            }
-        }
-        Err(ModelError(format!(
-            "{budget} segments did not reach t = {until} s; now at t = {} s. Take shorter steps, or check \
-             inertias, inductance and stiffness: a time constant is extremely short",
-            self.run.segment_start()
-        )))
+        let hint = "inertias, inductance and stiffness";
+        segments::advance(self, begin, until, stop_at_switch, hint)
     }
 
     fn reached(&self) -> f64 {
@@ -248,16 +234,6 @@ impl part::Course<CHANNELS, STATES> for Course {
         }
         Ok(course)
     }
-}
-
-/// Segments that a communication step of `length` seconds may spend.
-///
-/// The shipped rigs take some hundred a second, stiff ones some thousand. Without a bound that goes with the
-/// length, a parameter that makes a time constant absurdly short would hold the importer's process for minutes in
-/// a step of a millisecond.
-fn segment_budget(length: f64) -> u64 {
-    const BUDGET: f64 = 50_000.0;
-    ((BUDGET * (1.0 + length)) as u64).min(Options::default().budget)
 }
 
 /// Series of a signal over one segment; `None` for what is neither a state nor a torque.

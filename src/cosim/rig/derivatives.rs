@@ -9,16 +9,6 @@ use crate::integrator::HybridSystem;
 use crate::plant::{Indicators, MOST_INDICATORS, RigInputs, RigJet};
 use crate::series::{Dual, Scalar};
 
-/// Derivative of this order of a polynomial at `tau`.
-pub(super) fn time_derivative(coefficients: &[f64], order: usize, tau: f64) -> f64 {
-    (order..coefficients.len()).rev().fold(0.0, |sum, power| {
-        let factor: f64 = (power - order + 1..=power)
-            .map(|factor| factor as f64)
-            .product();
-        sum * tau + factor * coefficients[power]
-    })
-}
-
 /// Partial derivative of `unknown` with respect to `known` at `time` [s], state and mode held: the
 /// equations are expanded once over dual numbers. `None` for an unknown that is neither a state nor
 /// a torque.
@@ -79,18 +69,5 @@ fn lift_inputs(inputs: &RigInputs<f64>) -> RigInputs<Dual<1>> {
         normal_force: inputs.normal_force.map(Dual::constant),
         normal_force_1: inputs.normal_force_1.map(Dual::constant),
         ..RigInputs::held(Dual::ZERO, Dual::ZERO, Dual::ZERO)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn derivatives_of_a_cubic() {
-        let cubic = [1.0, 2.0, 3.0, 4.0];
-        assert_eq!(time_derivative(&cubic, 1, 2.0), 2.0 + 12.0 + 48.0);
-        assert_eq!(time_derivative(&cubic, 2, 2.0), 6.0 + 48.0);
-        assert_eq!(time_derivative(&cubic, 4, 2.0), 0.0);
     }
 }

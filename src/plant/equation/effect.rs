@@ -1,14 +1,12 @@
 //! The effects of a rig that are given by equations, with their values.
 
 use super::{Definition, Port};
-use crate::expression::{COORDINATES, Coordinate, SITES};
+use crate::expression::{COORDINATES, Coordinate, MOST_PARAMETERS, SITES};
 use crate::parameter::{ParameterError, ParameterInfo, Section};
 use crate::series::Scalar;
 
 /// Most effects by equation that one rig may have.
 const MOST_EFFECTS: usize = 4;
-/// Most parameters of one of them.
-pub const MOST_PARAMETERS: usize = 6;
 
 /// SI values of the units in which a rig's own numbers are, for equations that are always in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]

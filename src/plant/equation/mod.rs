@@ -8,7 +8,6 @@ mod series;
 mod write;
 
 pub use definition::Definition;
-pub use effect::MOST_PARAMETERS;
 pub use effect::{EquationEffect, EquationEffects, SiUnits};
 pub use port::Port;
 pub use read::Supposition;

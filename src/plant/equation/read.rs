@@ -1,8 +1,8 @@
 //! Sections `[[effect]]` of a model file, and what may be wrong with them.
 
 use super::definition::{Draft, Points};
-use super::{Definition, EquationEffects, MOST_PARAMETERS, Port};
-use crate::expression::{self, Coordinate, Interpolation};
+use super::{Definition, EquationEffects, Port};
+use crate::expression::{self, Coordinate, Interpolation, MOST_PARAMETERS};
 use crate::parameter::{ModelFileError, ParameterInfo, Provenance, Range, SectionReader, number};
 use crate::plant::effect_infos;
 use crate::plant::model_file::SECTIONS;

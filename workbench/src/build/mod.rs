@@ -12,8 +12,8 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::Outcome;
 use crate::diagnose::small_plant::fmu::wrapper;
-use crate::diagnose::small_plant::model_file::{SmallModel, is_small_plant};
-use crate::diagnose::small_plant::unit::Kind;
+use crate::diagnose::small_plant::model_file::SmallModel;
+use stickslip::body::{Kind, Reader};
 
 /// Packs a model.toml and the prebuilt library into FMUs, or an FMU and the effects of its ports file into one.
 #[derive(Debug, Args)]
@@ -51,7 +51,7 @@ pub enum Version {
 /// # Errors
 /// Whatever is wrong with the model or the library.
 pub fn command(arguments: &BuildArguments) -> anyhow::Result<Outcome> {
-    if let Some(text) = small_plant(&arguments.model) {
+    if let Some(text) = ports(&arguments.model) {
         return around(arguments, &text);
     }
     let source = Source::read(&arguments.model)?;
@@ -71,23 +71,17 @@ pub fn command(arguments: &BuildArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The text of a model file that describes a small plant.
-fn small_plant(file: &Path) -> Option<String> {
+/// The text of a ports file.
+fn ports(file: &Path) -> Option<String> {
     let text = fs::read_to_string(file).ok()?;
-    is_small_plant(&text).then_some(text)
+    let plant = Reader::new(&text, "").ok()?.plant().ok()?;
+    (plant.kind == Kind::Fmu).then_some(text)
 }
 
 /// Packs an FMU with the effects that its ports file has.
 fn around(arguments: &BuildArguments, text: &str) -> anyhow::Result<Outcome> {
     let file = arguments.model.display().to_string();
     let model = SmallModel::parse(text, &file)?;
-    if model.model.kind != Kind::Fmu {
-        bail!(
-            "{file}: [plant] kind = \"{}\" cannot be packed into an FMU so far; what can is a rig, a controller, or the ports file of \
-             an FMU (kind = \"fmu\")",
-            model.model.kind.word()
-        );
-    }
     if arguments.fmi.is_some() {
         bail!("{file}: an FMU with effects has the version of the one inside; leave --fmi out");
     }

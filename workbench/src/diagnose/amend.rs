@@ -396,12 +396,20 @@ pub fn write(directory: &Path, text: &str, library: &Library) -> Result<Vec<Path
     atomic::write_file(&path, text.as_bytes())?;
     let source = Source::from_text(text.to_owned(), FILE)?;
     let mut written = vec![path];
-    for version in FmiVersion::ALL {
-        written.push(
-            source
-                .build(std::slice::from_ref(library), version, directory)?
-                .path,
-        );
-    }
+    written.extend(build(&source, directory, library)?);
     Ok(written)
+}
+
+/// Builds a model's FMUs for both versions of the standard into `directory`, replacing earlier ones.
+///
+/// # Errors
+/// An FMU cannot be built or written.
+pub fn build(
+    source: &Source,
+    directory: &Path,
+    library: &Library,
+) -> Result<Vec<PathBuf>, BuildError> {
+    let libraries = std::slice::from_ref(library);
+    let built = FmiVersion::ALL.map(|version| source.build(libraries, version, directory));
+    built.into_iter().map(|built| Ok(built?.path)).collect()
 }

@@ -15,9 +15,9 @@ use super::case::check_effect;
 use super::catalogue::{CATALOGUE, Entry};
 use super::small_plant::catalogue as small_plant;
 use super::small_plant::term::Entry as Term;
-use super::small_plant::unit::Path;
 use crate::cli::Outcome;
 use crate::files::atomic;
+use stickslip::body::Path;
 
 /// Arguments of `effects`.
 #[derive(Debug, Args)]

@@ -7,9 +7,9 @@ use clap::Args;
 
 use super::case::{Case, CaseError};
 use super::record_part::{Part, PartError};
-use super::small_plant::model_file::is_small_plant;
 use super::supposed;
 use crate::files::record::ENDINGS;
+use stickslip::body::is_small_plant;
 
 /// Names of a case's files in its directory.
 const MODEL_FILE: &str = "model.toml";

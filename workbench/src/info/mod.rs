@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use stickslip::body::{Body, is_small_plant};
 use stickslip::controller::{ControlLaw, is_controller};
-use stickslip::plant::{Definition, ModelFile, ModelFileError, Provenance, RigKind};
+use stickslip::plant::{Definition, ModelFile, Provenance, RigKind};
 
 use crate::cli::Outcome;
 use crate::component::{
@@ -40,7 +41,7 @@ pub fn command(arguments: &InfoArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Describes a model file: rig, laws and effects or the controller, variables, and every parameter with where its number
+/// Describes a model file: rig, laws and effects, the controller or the small plant, variables, and every parameter with where its number
 /// comes from.
 fn describe_model(path: &Path) -> anyhow::Result<String> {
     let text =
@@ -59,7 +60,13 @@ fn describe_model(path: &Path) -> anyhow::Result<String> {
 fn describe_structure(
     text: &str,
     name: &str,
-) -> Result<(String, BTreeMap<String, Provenance>), ModelFileError> {
+) -> anyhow::Result<(String, BTreeMap<String, Provenance>)> {
+    if is_small_plant(text) {
+        return Ok((
+            describe_body(&Body::from_toml(text, name)?),
+            BTreeMap::new(),
+        ));
+    }
     if is_controller(text) {
         let law = match ControlLaw::from_toml(text, name)? {
             ControlLaw::Speed(_) => "proportional and integral, on the speed",
@@ -71,6 +78,20 @@ fn describe_structure(
     }
     let model = ModelFile::parse(text, name)?;
     Ok((describe_rig(&model), model.provenance))
+}
+
+fn describe_body(body: &Body<f64>) -> String {
+    let (kind, path) = (body.kind.word(), body.path.word());
+    let mut text = format!("plant    {kind} on a {path}\n");
+    for effect in body.terms().filter_map(|term| term.definition.effect) {
+        let (name, port, equation) = (effect.name, effect.port.name(), effect.equation);
+        let _ = writeln!(
+            text,
+            "equation {name}: {port} {equation} ({})",
+            effect.title
+        );
+    }
+    text
 }
 
 fn describe_rig(model: &ModelFile) -> String {

@@ -28,7 +28,7 @@ pub const OWN_MODEL: &str = "model.toml";
 const LONGEST_NAME: usize = 100;
 
 /// Files of a diagnosis that are handed out, and what they are.
-pub const RESULTS: [(&str, &str); 9] = [
+pub const RESULTS: [(&str, &str); 15] = [
     (amend::FILE, "the amended model"),
     (
         "ReducedRig.fmi2.fmu",
@@ -40,6 +40,12 @@ pub const RESULTS: [(&str, &str); 9] = [
     ),
     ("FullRig.fmi2.fmu", "the amended model as an FMU, FMI 2.0"),
     ("FullRig.fmi3.fmu", "the amended model as an FMU, FMI 3.0"),
+    ("Drive.fmi2.fmu", "the amended model as an FMU, FMI 2.0"),
+    ("Drive.fmi3.fmu", "the amended model as an FMU, FMI 3.0"),
+    ("Pendulum.fmi2.fmu", "the amended model as an FMU, FMI 2.0"),
+    ("Pendulum.fmi3.fmu", "the amended model as an FMU, FMI 3.0"),
+    ("Joint.fmi2.fmu", "the amended model as an FMU, FMI 2.0"),
+    ("Joint.fmi3.fmu", "the amended model as an FMU, FMI 3.0"),
     ("plant.amended.fmu", "your FMU with the effects"),
     (report::FILE, "the report"),
     (finding::FILE, "the finding, for programs"),

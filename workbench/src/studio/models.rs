@@ -8,8 +8,8 @@ use stickslip::plant::{ModelFile, RigKind};
 use crate::diagnose::case::CaseError;
 use crate::diagnose::material::{CaseArguments, Material};
 use crate::diagnose::rig_columns::RigColumns;
-use crate::diagnose::small_plant::model_file::is_small_plant;
 use crate::diagnose::uncertainty::uncertainties;
+use stickslip::body::is_small_plant;
 
 /// What is believed where no case is given.
 const REDUCED_RIG: &str = include_str!("../../../modelDescription/reduced-rig.toml");

@@ -22,10 +22,11 @@ use crate::diagnose::rig_columns::{Heading, RigColumns};
 use crate::diagnose::rig_variable::{unit_names, variables};
 use crate::diagnose::small_plant::case::supposed;
 use crate::diagnose::small_plant::catalogue::possible;
-use crate::diagnose::small_plant::model_file::{SmallModel, is_small_plant};
+use crate::diagnose::small_plant::model_file::SmallModel;
 use crate::diagnose::small_plant::term::Entry;
 use crate::diagnose::supposed as own_effects;
 use crate::files::atomic;
+use stickslip::body::is_small_plant;
 
 /// Most readings of records that are remembered.
 const MOST_REMEMBERED: usize = 24;

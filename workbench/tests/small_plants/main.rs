@@ -4,6 +4,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod fmus;
 mod own;
 mod real;
 mod records;
@@ -87,7 +88,18 @@ fn dry_friction_of_a_drive_is_named_and_measured() {
     for file in ["finding.json", "model.amended.toml", "report.html"] {
         assert!(place.file("out").join(file).is_file(), "{file}");
     }
-    assert!(text.contains("no FMU was built"), "{text}");
+    for fmu in ["Drive.fmi2.fmu", "Drive.fmi3.fmu"] {
+        assert!(text.contains(fmu), "{text}");
+        // Held at rest by its friction.
+        let held = [("force", vec![4.0; 3])];
+        let run = fmus::positions(
+            &place.file("out").join(fmu),
+            [0.1, 0.0],
+            &[0.0, 0.5, 1.0],
+            &held,
+        );
+        assert_eq!(run, [0.1; 3]);
+    }
     // The plain reader of findings takes it too.
     Finding::read(&place.file("out")).unwrap();
     // The amended model lacks nothing any more.
@@ -156,6 +168,14 @@ fn dry_friction_and_quadratic_drag_of_a_pendulum_are_named() {
     );
     let last = found.small_plant.steps.last().unwrap();
     assert!(last.held_out.rmse < 0.003, "{last:?}");
+    let record = fmus::columns(&place.file("held-out.csv"));
+    let measured: Vec<f64> = record[1].iter().map(|angle| angle.to_radians()).collect();
+    for fmu in ["Pendulum.fmi2.fmu", "Pendulum.fmi3.fmu"] {
+        assert!(text.contains(fmu), "{text}");
+        let fmu = place.file("out").join(fmu);
+        let error = fmus::best_rmse(&fmu, [1.4, 0.0], &record[0], &measured);
+        assert!(error < 1.2 * last.held_out.rmse, "{error} beside {last:?}");
+    }
 }
 
 #[test]
@@ -170,6 +190,10 @@ fn an_encoder_off_the_axis_of_a_pendulum_is_named() {
     let last = found.small_plant.steps.last().unwrap();
     assert!(last.held_out.rmse < 0.0005, "{last:?}");
     assert!(text.contains("friction_wear was not tried"), "{text}");
+    // What an encoder reads is no motion: no FMU, and none of an earlier model.
+    let why = "no FMU was built: model.amended.toml: [encoder_eccentricity]";
+    assert!(text.contains(why), "{text}");
+    assert!(!place.file("out").join("Pendulum.fmi3.fmu").exists());
 }
 
 type Torque = fn(f64, f64, f64, f64, f64) -> f64;
@@ -217,8 +241,20 @@ fn friction_of_an_arm_that_a_motor_turns_is_named_from_its_voltage_and_angle() {
         let (found, text) = place.diagnosed(0);
         assert_eq!(names(&found), *expected, "{text}");
         assert!(text.contains("read off every 0.00"), "{text}");
-        let steps = &found.small_plant.steps;
-        assert!(steps.last().unwrap().held_out.relative < 0.05, "{text}");
+        let last = found.small_plant.steps.last().unwrap();
+        assert!(last.held_out.relative < 0.05, "{text}");
+        let record = fmus::columns(&place.file("held-out.csv"));
+        let voltage: Vec<f64> = record[2].iter().map(|duty| duty / 885.0 * 7.4).collect();
+        // Held from one reading to the next, the mean of both.
+        let between = voltage
+            .iter()
+            .zip(voltage.iter().skip(1).chain(voltage.last()));
+        let voltage = between.map(|(now, next)| 0.5 * (now + next)).collect();
+        let inputs = [("voltage", voltage), ("connected", record[4].clone())];
+        let fmu = place.file("out").join("Joint.fmi3.fmu");
+        let run = fmus::positions(&fmu, [record[1][0], 0.0], &record[0], &inputs);
+        let error = fmus::rmse(&record[1], &run);
+        assert!(error < 1.2 * last.held_out.rmse, "{error} beside {last:?}");
     }
 }
 

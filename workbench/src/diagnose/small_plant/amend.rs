@@ -6,13 +6,13 @@ use super::case::{SmallCase, check_effect};
 use super::evidence::{gain, left_out_errors, unit};
 use super::finding::{Course, SmallFinding};
 use super::least_squares::Fit;
-use super::model_file::{Origin, SmallModel, dotted};
+use super::model_file::{SmallModel, dotted};
 use super::naming::{Kept, LEAST_GAIN, Naming};
 use super::problem::Problem;
 use super::showing::{balance, final_intervals, polished};
 use super::structure::structures;
-use super::unit::{Dimension, Kind};
 use crate::diagnose::finding::{Finding, FoundEffect, ParameterValue, Ranked, VerdictName};
+use stickslip::body::{Dimension, Kind, Origin};
 
 /// Share of what is left that a free function of one coordinate may explain before something counts as missing still: most of it.
 const STRUCTURED: f64 = 0.5;

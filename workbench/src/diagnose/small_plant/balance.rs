@@ -6,7 +6,7 @@ use super::model_file::Measurement;
 use super::motion::{Motion, Scales};
 use super::problem::Problem;
 use super::term::{MOST_PARAMETERS, Sample};
-use super::unit::Dimension;
+use stickslip::body::Dimension;
 
 /// Order of the low-pass that both forces go through.
 const ORDER: usize = 8;

@@ -1,9 +1,9 @@
 //! What an analyst's model of a small plant consists of before anything is added.
 
+use stickslip::body::{self, Dimension, Kind, Parameter, parameter};
 use stickslip::parameter::Range;
 
-use super::term::{Entry, Formula, Parameter, Role, Sample, parameter};
-use super::unit::{Dimension, Kind};
+use super::term::{Entry, Formula, Role, Sample};
 
 /// M·a + viscous·v + offset = force.
 pub const DRIVE: Entry = Entry {
@@ -15,26 +15,7 @@ pub const DRIVE: Entry = Entry {
     path: None,
     needs_load: false,
     role: Role::Added,
-    parameters: &[
-        parameter(
-            "inertia",
-            Dimension::Inertia,
-            Range::Positive,
-            "mass or moment of inertia",
-        ),
-        parameter(
-            "viscous",
-            Dimension::ForcePerSpeed,
-            Range::Finite,
-            "viscous friction",
-        ),
-        parameter(
-            "offset",
-            Dimension::Force,
-            Range::Finite,
-            "constant force, such as an amplifier's offset",
-        ),
-    ],
+    parameters: &body::DRIVE,
     formula: Formula::Code {
         force: |p, s, _| p[0] * s.acceleration + p[1] * s.velocity + p[2],
         starts: &[],
@@ -52,21 +33,7 @@ pub const PENDULUM: Entry = Entry {
     path: None,
     needs_load: false,
     role: Role::Added,
-    parameters: &[
-        parameter(
-            "stiffness",
-            Dimension::ForcePerPosition,
-            Range::Positive,
-            "weight's moment over moment of inertia: square of the small swing's angular frequency",
-        ),
-        parameter("rest", Dimension::Angle, Range::Finite, "angle at rest"),
-        parameter(
-            "viscous",
-            Dimension::ForcePerSpeed,
-            Range::Finite,
-            "viscous drag over moment of inertia",
-        ),
-    ],
+    parameters: &body::PENDULUM,
     formula: Formula::Code {
         force: |p, s, _| p[0] * (s.position - p[1]).sin() + p[2] * s.velocity,
         starts: &[],
@@ -174,38 +141,7 @@ pub const JOINT: Entry = Entry {
     path: None,
     needs_load: false,
     role: Role::Added,
-    parameters: &[
-        parameter(
-            "stiffness",
-            Dimension::ForcePerPosition,
-            Range::Positive,
-            "weight's moment over moment of inertia, which includes the motor's times the ratio's square",
-        ),
-        parameter(
-            "rest",
-            Dimension::Angle,
-            Range::Finite,
-            "angle at which the arm hangs",
-        ),
-        parameter(
-            "viscous",
-            Dimension::ForcePerSpeed,
-            Range::Finite,
-            "viscous drag over moment of inertia",
-        ),
-        parameter(
-            "gain",
-            Dimension::ForcePerVoltage,
-            Range::Finite,
-            "torque over voltage at standstill, over moment of inertia",
-        ),
-        parameter(
-            "back_emf",
-            Dimension::ForcePerSpeed,
-            Range::Finite,
-            "torque that the motor loses over speed, over moment of inertia",
-        ),
-    ],
+    parameters: &body::JOINT,
     formula: Formula::Code {
         force: |p, s, _| s.weight + p[2] * s.velocity - s.motor,
         starts: &[],

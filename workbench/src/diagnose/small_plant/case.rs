@@ -5,7 +5,7 @@ use std::path::{Path as FilePath, PathBuf};
 use thiserror::Error;
 
 use super::catalogue::{CATALOGUE, possible};
-use super::effect_file;
+use super::effect_file::{effect, of_user};
 use super::evidence::unit;
 use super::fmu::missing::{Chased, MissingError};
 use super::fmu::plant::Plant;
@@ -17,10 +17,10 @@ use super::reading::read;
 use super::showing::balance;
 use super::start;
 use super::term::Entry;
-use super::unit::Kind;
 use crate::diagnose::material::Material;
 use crate::diagnose::record_part::Part;
 use crate::files::record::RecordError;
+use stickslip::body::{FileError, Kind, read_effects};
 
 /// Least length of all records to learn from together, in periods of the motion.
 const SHORTEST: f64 = 5.0;
@@ -52,6 +52,9 @@ pub struct SmallCase {
     pub notes: Vec<String>,
 }
 
+/// How a note begins that tells why there is no FMU.
+pub const NO_FMU: &str = "no FMU was built";
+
 /// Why a small plant's case cannot be used.
 #[derive(Debug, Error)]
 pub enum SmallCaseError {
@@ -66,6 +69,9 @@ pub enum SmallCaseError {
     /// The model file is wrong.
     #[error(transparent)]
     Model(#[from] SmallModelError),
+    /// A file of effects.
+    #[error(transparent)]
+    Effects(#[from] FileError),
     /// A record is no record.
     #[error(transparent)]
     Record(#[from] RecordError),
@@ -217,6 +223,9 @@ pub fn load(
              motion that they show"
         )));
     }
+    let why = model.model.kind.stands_still().filter(|_| chased.is_none());
+    let without_fmu =
+        why.map(|why| format!("{NO_FMU}: {why}; model.amended.toml is the amended model"));
     let mut case = SmallCase {
         known: 0.0,
         name: material.name.clone(),
@@ -230,10 +239,7 @@ pub fn load(
         notes: notes
             .into_iter()
             .chain(chased.iter().flat_map(|chased| chased.plant.notes.clone()))
-            .chain(chased.is_none().then(|| {
-                "no FMU was built: the library's rigs do not include such a plant; model.amended.toml is the amended model"
-                    .to_owned()
-            }))
+            .chain(without_fmu)
             .collect(),
         chased,
     };
@@ -253,8 +259,8 @@ pub fn supposed(
     let Model { kind, path, .. } = model.model;
     let mut all: Vec<(&str, &'static Entry)> = Vec::new();
     for (file, text) in &material.effects {
-        for described in effect_file::read(text, file)? {
-            let entry = described.entry(file, kind, path)?;
+        for described in read_effects(text, file)? {
+            let entry = of_user(effect(&described, file, kind, path)?, kind, path);
             let earlier = all.iter().find(|(_, other)| other.name == entry.name);
             let taken = match earlier {
                 Some((earlier, _)) => Some(format!("{earlier} has an effect of this name; give one of them another")),

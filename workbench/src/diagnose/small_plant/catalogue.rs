@@ -1,24 +1,21 @@
-//! The effects that a small plant's model can lack. Those that an equation describes stand in `effects/small-plants.toml`; those that
-//! none can, here.
+//! The effects that a small plant's model can lack. Those that an equation describes stand in the library's
+//! `src/body/effects.toml`; those that none can, here.
 
 use std::sync::LazyLock;
 
+use stickslip::body::{Dimension, Kind, Path, parameter};
 use stickslip::parameter::Range;
 
 use super::effect_file;
 use super::model_file::SmallModel;
-use super::term::{Entry, Formula, Role, Sample, parameter};
-use super::unit::{Dimension, Kind, Path};
+use super::term::{Entry, Formula, Role, Sample};
 
 use Dimension::{Acceleration, Angle, Delay, Force, Inertia, Ratio, Speed};
 use Kind::{Balance, Contact, Drive, Fmu, Pendulum};
 
-/// The file of equations.
-const FILE: &str = "effects/small-plants.toml";
-
 /// Every effect.
 pub static CATALOGUE: LazyLock<Vec<Entry>> = LazyLock::new(|| {
-    let described = effect_file::built_in(include_str!("../../../effects/small-plants.toml"), FILE);
+    let described = effect_file::built_in();
     let mut all = described.unwrap_or_else(|error| unreachable!("a test reads it: {error}"));
     all.extend_from_slice(CODED);
     all

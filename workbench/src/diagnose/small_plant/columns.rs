@@ -4,7 +4,7 @@ use serde::Deserialize;
 use std::f64::consts::TAU;
 use thiserror::Error;
 
-use super::unit::{Kind, Path};
+use stickslip::body::{Kind, Path};
 
 /// One column.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -1,13 +1,17 @@
 //! The commands `diagnose`, `locate`, `name`, `amend` and `show` on small plants.
 
+use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, anyhow};
-use build_fmu::library;
+use build_fmu::build::Source;
+use build_fmu::library::{self, Library};
+use build_fmu::platform::FmiVersion;
 
 use super::amend::{amended_text, described, named};
-use super::case::{SmallCase, check_effect, load};
+use super::case::{NO_FMU, SmallCase, check_effect, load};
 use super::console::screen;
 use super::finding::SmallFinding;
 use super::fmu::wrapper;
@@ -18,14 +22,16 @@ use super::report::page;
 use super::showing::{balance, models_on_the_way, step};
 use super::swing::Swing;
 use super::term::Entry;
-use super::unit::Kind;
 use crate::cli::Outcome;
-use crate::diagnose::amend::FILE as AMENDED;
+use crate::diagnose::amend::{FILE as AMENDED, build};
 use crate::diagnose::finding::VerdictName;
 use crate::diagnose::material::Material;
 use crate::diagnose::report::FILE as REPORT;
 use crate::files::atomic;
+use stickslip::body::Kind;
 
+/// How a note begins that tells which FMUs there are.
+const FMUS: &str = "FMUs of the amended model";
 /// Most times that effects are named anew.
 const MOST_ROUNDS: usize = 4;
 
@@ -44,8 +50,8 @@ pub enum Stage<'a> {
     Show,
 }
 
-/// Runs a stage; the screen's text comes with its outcome. `library` is for the FMU with the effects, where the plant is an FMU;
-/// without it the one beside this program is.
+/// Runs a stage; the screen's text comes with its outcome. `library` is for the FMUs; without it the one beside
+/// this program is.
 ///
 /// # Errors
 /// Whatever is wrong with the input; the exit code is then 2.
@@ -60,6 +66,11 @@ pub fn run(
     let amends = matches!(stage, Stage::All | Stage::Amend(_));
     let mut case = load(material, progress)?;
     // Before minutes pass: is there what the amended FMU needs?
+    let moves = case.kind().stands_still().is_none();
+    let own_library = match amends && moves {
+        true => Some(library::find(library)?),
+        false => None,
+    };
     let mut libraries = if amends && case.chased.is_some() {
         let named: Vec<_> = library.map(Path::to_owned).into_iter().collect();
         library::select_wrappers(&[], &named)?
@@ -76,6 +87,12 @@ pub fn run(
     if amends {
         text = amended_text(&case, &found).map_err(|what| anyhow!(what))?;
         atomic::write_file(&out.join(AMENDED), text.as_bytes())?;
+        if let Some(library) = &own_library {
+            progress("FMUs of the amended model");
+            let notes = &mut found.finding.notes;
+            notes.retain(|note| !note.starts_with(NO_FMU) && !note.starts_with(FMUS));
+            notes.push(build_fmus(&text, out, library)?);
+        }
         if !libraries.is_empty() {
             progress("the FMU with the effects");
             let libraries = std::mem::take(&mut libraries);
@@ -93,7 +110,7 @@ pub fn run(
     }
     if stage == Stage::Show {
         let path = out.join(AMENDED);
-        text = std::fs::read_to_string(&path).with_context(|| {
+        text = fs::read_to_string(&path).with_context(|| {
             format!(
                 "{}: run `stickslip amend` into this directory first",
                 path.display()
@@ -119,6 +136,33 @@ pub fn run(
     };
     let outcome = Outcome::of(settled);
     Ok((outcome, screen(&case.name, &found)))
+}
+
+/// Builds the FMUs of an amended model, or removes those of an earlier one where it can have none; what a note says of it.
+fn build_fmus(text: &str, out: &Path, library: &Library) -> anyhow::Result<String> {
+    let source = match Source::from_text(text.to_owned(), AMENDED) {
+        Ok(source) => source,
+        Err(error) => {
+            for version in FmiVersion::ALL {
+                for name in ["Drive", "Pendulum", "Joint"] {
+                    let stale = out.join(format!("{name}.{}.fmu", version.tag()));
+                    match fs::remove_file(&stale) {
+                        Err(error) if error.kind() != ErrorKind::NotFound => {
+                            return Err(error)
+                                .context(format!("{} is of an earlier model", stale.display()));
+                        }
+                        _ => {}
+                    }
+                }
+            }
+            return Ok(format!("{NO_FMU}: {error}"));
+        }
+    };
+    let names = build(&source, out, library)?.into_iter().map(|path| {
+        let name = path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    });
+    Ok(format!("{FMUS}: {}", names.collect::<Vec<_>>().join(", ")))
 }
 
 /// Names what is missing. The force that an FMU lacks depends on its parameters, and how much the knowledge of those weighs on what is

@@ -1,25 +1,9 @@
-//! Equations of small plants' effects: what they may depend on, and their check.
+//! Coordinates of equations at a moment of a record.
 
-use operations::{COORDINATES, Operation};
-use stickslip::expression::{self, Dimension as SiDimension, ExpressionError, Names, Quantity};
-use stickslip::parameter::Range;
+use operations::Operation;
+use stickslip::body::coordinate::COUNT;
 
-use super::term::{Parameter, Sample};
-use super::unit::{Dimension, Kind, Path};
-
-/// Coordinates of small plants beyond those of an FMU's port: normal load over its mean, predicted force, torque of a joint's motor and
-/// moment of its weight.
-const FURTHER: [&str; 4] = ["load", "predicted", "motor", "weight"];
-/// Number of all coordinates.
-pub const COUNT: usize = COORDINATES.len() + FURTHER.len();
-/// Place of the acceleration among them.
-const ACCELERATION: usize = 2;
-/// Place of the time.
-pub const TIME: usize = 4;
-/// Place of the load.
-pub const LOAD: usize = 6;
-/// Place of the predicted force.
-const PREDICTED: usize = 7;
+use super::term::Sample;
 
 /// The coordinates at a moment, in the order of their places.
 #[must_use]
@@ -42,74 +26,4 @@ pub fn coordinates(sample: &Sample, friction: f64) -> [f64; COUNT] {
 #[must_use]
 pub fn uses(operations: &[Operation], place: usize) -> bool {
     operations.contains(&Operation::Coordinate(place))
-}
-
-/// What equations on a plant of this kind and path may depend on.
-#[must_use]
-pub fn quantities(kind: Kind, path: Path) -> Vec<Quantity> {
-    let of = |dimension: Dimension| si(dimension.unit(kind, path));
-    let force = of(Dimension::Force);
-    let dimensions: [SiDimension; COUNT] = [
-        of(Dimension::Position),
-        of(Dimension::Speed),
-        of(Dimension::Acceleration),
-        SiDimension::NONE,
-        si("s"),
-        force,
-        SiDimension::NONE,
-        force,
-        force,
-        force,
-    ];
-    let has = |place: usize| match place {
-        // A run that is predicted has no measured acceleration.
-        ACCELERATION => !kind.runs_alone(),
-        LOAD => kind == Kind::Contact,
-        PREDICTED => kind == Kind::Balance,
-        _ => place < PREDICTED || kind == Kind::Joint,
-    };
-    let names = COORDINATES.iter().chain(&FURTHER).zip(dimensions);
-    names
-        .enumerate()
-        .filter(|(place, _)| has(*place))
-        .map(|(place, (name, dimension))| Quantity {
-            name,
-            place,
-            dimension,
-            is_positive: false,
-            is_rate: *name == "velocity",
-        })
-        .collect()
-}
-
-/// Reads and checks an equation over these parameters on a plant of this kind and path.
-///
-/// # Errors
-/// The first thing that is wrong, with its column.
-pub fn compile(
-    equation: &str,
-    parameters: &[Parameter],
-    kind: Kind,
-    path: Path,
-) -> Result<Vec<Operation>, ExpressionError> {
-    let parameters: Vec<(&str, SiDimension, Range)> = parameters
-        .iter()
-        .map(|own| {
-            let unit = own.dimension.unit(kind, path);
-            (own.key, si(unit), own.range)
-        })
-        .collect();
-    let force = Dimension::Force.unit(kind, path);
-    let names = Names {
-        parameters: &parameters,
-        coordinates: &quantities(kind, path),
-        tables: &[],
-        result: (si(force), force),
-    };
-    expression::parse(equation, &names).map(|program| program.operations().to_vec())
-}
-
-/// Dimension of a unit that is known to be one; minutes are seconds in kind.
-fn si(unit: &str) -> SiDimension {
-    SiDimension::of_unit(&unit.replace("min", "s")).unwrap_or_default()
 }

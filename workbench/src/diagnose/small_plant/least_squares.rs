@@ -11,6 +11,7 @@ use super::evidence::unit;
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
+use super::unit::Usual as _;
 
 /// Step of the differences, in units of a number's usual size.
 const STEP: f64 = 1e-5;

@@ -2,8 +2,8 @@
 
 use super::base::joint_loads;
 use super::eccentricity::Eccentricity;
-use super::term::{Entry, Parameter, Role, Sample};
-use super::unit::{Dimension, Kind, Path};
+use super::term::{Entry, Role, Sample};
+use stickslip::body::{Dimension, Kind, Parameter, Path};
 
 /// A term with its numbers.
 #[derive(Debug, Clone)]

@@ -3,61 +3,21 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
+use stickslip::body::{FileError, Origin, Reader};
 use thiserror::Error;
 
 use super::columns::{ColumnError, Columns};
 use super::fmu::ports::Ports;
 use super::model::Model;
-use super::model_reader::Reader;
+use super::model_reader::read;
 use super::term::Entry;
 
 /// What is wrong with a small plant's model file.
 #[derive(Debug, Error)]
 pub enum SmallModelError {
-    /// Not TOML, or a key of a fixed section is missing, unknown or of the wrong type.
-    #[error("{file}: {message}")]
-    Syntax {
-        /// File.
-        file: String,
-        /// What the parser says.
-        message: String,
-    },
-    /// A wrong word or number.
-    #[error("{file}: [{section}] {key} = {found} must be {expected}")]
-    Value {
-        /// File.
-        file: String,
-        /// Section.
-        section: String,
-        /// Key.
-        key: String,
-        /// What stands there.
-        found: String,
-        /// What would be right.
-        expected: String,
-    },
-    /// A section or key is missing.
-    #[error("{file}: [{section}] is missing or lacks {key}; it needs {expected}")]
-    Missing {
-        /// File.
-        file: String,
-        /// Section.
-        section: String,
-        /// Key.
-        key: String,
-        /// What belongs there.
-        expected: String,
-    },
-    /// A section or key that nobody knows.
-    #[error("{file}: there is no {what}; known are {known}")]
-    Unknown {
-        /// File.
-        file: String,
-        /// The section or key.
-        what: String,
-        /// The known ones.
-        known: String,
-    },
+    /// Whatever a model file of a small plant may have wrong.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A column is wrong.
     #[error("{file}: {source}")]
     Column {
@@ -86,17 +46,6 @@ pub struct Measurement {
     pub standstill_speed: f64,
 }
 
-/// A number's uncertainty and origin, as far as the file tells.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Origin {
-    /// Relative standard deviation; a number without one counts as unknown.
-    pub relative_uncertainty: Option<f64>,
-    /// Where it comes from.
-    pub source: Option<String>,
-    /// Interval that covers it with 95 % probability.
-    pub interval95: Option<[f64; 2]>,
-}
-
 /// A small plant's model file.
 #[derive(Debug, Clone)]
 pub struct SmallModel {
@@ -112,26 +61,13 @@ pub struct SmallModel {
     pub origins: BTreeMap<String, Origin>,
 }
 
-/// Whether a model file's text describes a small plant.
-#[must_use]
-pub fn is_small_plant(text: &str) -> bool {
-    text.parse::<toml::Table>()
-        .is_ok_and(|table| table.contains_key("plant"))
-}
-
 impl SmallModel {
     /// Reads the text of a model file; `file` names it in messages.
     ///
     /// # Errors
     /// [`SmallModelError`], naming section and key and what would be right.
     pub fn parse(text: &str, file: &str) -> Result<Self, SmallModelError> {
-        let table: toml::Table =
-            text.parse()
-                .map_err(|error: toml::de::Error| SmallModelError::Syntax {
-                    file: file.to_owned(),
-                    message: format!("not valid TOML: {}", error.to_string().trim_end()),
-                })?;
-        Reader { table, file }.read()
+        read(&Reader::new(text, file)?)
     }
 }
 

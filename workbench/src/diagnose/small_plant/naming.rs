@@ -2,14 +2,15 @@
 
 use rayon::prelude::*;
 
-use super::equation::{TIME, uses};
+use super::equation::uses;
 use super::evidence::{Gain, gain, left_out_errors, unit};
 use super::least_squares::{Fit, fit, intervals};
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
 use super::term::{Entry, Formula};
-use super::unit::Kind;
+use stickslip::body::Kind;
+use stickslip::body::coordinate::TIME;
 
 /// Most effects that are named one after the other.
 const MOST_EFFECTS: usize = 8;

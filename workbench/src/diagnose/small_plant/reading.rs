@@ -7,9 +7,9 @@ use super::columns::Quantity;
 use super::fmu::missing::Recorded;
 use super::model_file::SmallModel;
 use super::motion::{Measured, Motion};
-use super::unit::Kind;
 use crate::diagnose::record_part::Part;
 use crate::files::record::{Dialect, Missing, Record, Table};
+use stickslip::body::Kind;
 
 /// Fewest samples of a record.
 const FEWEST: usize = 100;

@@ -9,12 +9,12 @@ use super::finding::SmallFinding;
 use super::model::Model;
 use super::showing::{Course, balance, held_out_course};
 use super::structure::COORDINATES;
-use super::unit::{Dimension, Path};
 use crate::diagnose::console::{number, readable};
 use crate::diagnose::report::figures::ranking;
 use crate::diagnose::report::markup::{escape, figure};
 use crate::diagnose::report::page::document;
 use crate::plot::{Axis, Chart, Figure, Marker, Panel, Style};
+use stickslip::body::{Dimension, Path};
 
 /// Bins of a residual over a coordinate.
 const BINS: usize = 32;

@@ -14,7 +14,7 @@ use super::naming::{fit_base, fit_with};
 use super::problem::Problem;
 use super::swing::Swing;
 use super::term::Entry;
-use super::unit::Kind;
+use stickslip::body::Kind;
 
 /// Periods of the shortest stretches that a pendulum's free run is fitted to.
 const SHORT: f64 = 8.0;

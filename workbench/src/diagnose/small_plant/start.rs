@@ -4,7 +4,8 @@ use inference::numbers::{self, Known, Number, PHASES, USUAL, places, recognise};
 
 use super::motion::Scales;
 use super::term::{Entry, Sample};
-use super::unit::{Kind, Path};
+use super::unit::Usual as _;
+use stickslip::body::{Kind, Path};
 
 /// Share of its usual size at which a fit starts: small enough to leave the model near the analyst's, large enough that the numbers that
 /// shape the effect have derivatives.

@@ -7,8 +7,8 @@ use super::evidence::{gain, unit};
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
-use super::unit::{Kind, Path};
 use crate::diagnose::finding::Located;
+use stickslip::body::{Kind, Path};
 
 /// Values of the free function over a coordinate, at quantiles.
 const BINS: usize = 16;

@@ -15,7 +15,7 @@ use super::model_file::Measurement;
 use super::motion::{Motion, Scales};
 use super::problem::Problem;
 use super::term::Sample;
-use super::unit::Kind;
+use stickslip::body::Kind;
 
 /// Length of a piece in periods.
 const PIECE: f64 = 2.0;

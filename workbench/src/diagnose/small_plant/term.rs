@@ -1,12 +1,12 @@
 //! Terms of a small plant's equation: what all bases and effects have.
 
 use operations::Operation;
-use stickslip::parameter::Range;
+use stickslip::body::{Kind, Parameter, Path};
 
 use super::equation::coordinates;
 use super::motion::Scales;
 use super::start;
-use super::unit::{Dimension, Kind, Path};
+use super::unit::Usual as _;
 
 /// One moment of a record.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -41,21 +41,6 @@ pub struct Sample {
 
 /// Most uncertain parameters of an FMU.
 pub const MOST_PARAMETERS: usize = 8;
-
-/// A parameter of a term.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameter {
-    /// Key in the model file.
-    pub key: &'static str,
-    /// What it measures.
-    pub dimension: Dimension,
-    /// Where it may lie.
-    pub range: Range,
-    /// What it is.
-    pub description: &'static str,
-    /// Where a fit may start, if a file says so [SI].
-    pub guess: Option<f64>,
-}
 
 /// How a term enters the equation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -196,22 +181,5 @@ impl Entry {
                 })
                 .collect(),
         }
-    }
-}
-
-/// Shorthand for a parameter.
-#[must_use]
-pub const fn parameter(
-    key: &'static str,
-    dimension: Dimension,
-    range: Range,
-    description: &'static str,
-) -> Parameter {
-    Parameter {
-        key,
-        dimension,
-        range,
-        description,
-        guess: None,
     }
 }

@@ -13,8 +13,7 @@ use crate::component::{
 use crate::diagnose::small_plant::base::PARAMETERS;
 use crate::diagnose::small_plant::columns::Quantity;
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::term::Parameter;
-use crate::diagnose::small_plant::unit::{Dimension, Path, plain};
+use stickslip::body::{Dimension, Parameter, Path, plain};
 
 /// An FMU and what its ports are.
 #[derive(Debug, Clone)]

@@ -18,7 +18,7 @@ use crate::diagnose::small_plant::base::PARAMETERS;
 use crate::diagnose::small_plant::model::Term;
 use crate::diagnose::small_plant::model_file::SmallModel;
 use crate::diagnose::small_plant::term::{Formula, Role};
-use crate::diagnose::small_plant::unit::Kind;
+use stickslip::body::Kind;
 
 /// Beginning of the names that the original does not have.
 const PREFIX: &str = "effects";
