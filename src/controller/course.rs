@@ -201,7 +201,12 @@ impl Course {
 
     fn inputs(&self, time: f64) -> [f64; INPUTS] {
         let tau = time - self.start.time;
-        at_start(&self.start.inputs.map(|polynomial| shifted(&polynomial, tau)))
+        at_start(
+            &self
+                .start
+                .inputs
+                .map(|polynomial| shifted(&polynomial, tau)),
+        )
     }
 
     /// The instant `time` [s] of the present stretch with partial derivatives with respect to input or parameter, the controller's
