@@ -19,12 +19,15 @@ enum State {
     Step,
     /// Model exchange only.
     Continuous,
+    /// Inside a callback of a step of FMI 3 only.
+    Intermediate,
     Terminated,
     /// FMI 2 only; in FMI 3 an error terminates.
     Failed,
 }
 use State::{
-    Configuration, Continuous, Event, Failed, Initialization, Instantiated, Step, Terminated,
+    Configuration, Continuous, Event, Failed, Initialization, Instantiated, Intermediate, Step,
+    Terminated,
 };
 
 const STATES_2: [State; 5] = [Instantiated, Initialization, Step, Terminated, Failed];
@@ -67,6 +70,7 @@ impl State {
             (Event, _) => "Event Mode",
             (Step, Fmi3) => "Step Mode",
             (Continuous, _) => "Continuous-Time Mode",
+            (Intermediate, _) => "Intermediate Update Mode",
             (Terminated, Fmi3) => "Terminated",
         }
     }
@@ -87,7 +91,7 @@ fn in_state(component: &Component, version: Version, exchange: bool, state: Stat
         Continuous => &[Initialization, Event, Continuous],
         Failed if exchange => &[Initialization, Event, Continuous],
         Terminated if exchange => &[Initialization, Event, Continuous, Terminated],
-        Step | Failed => &[Initialization, Event, Step],
+        Step | Intermediate | Failed => &[Initialization, Event, Step],
         Terminated => &[Initialization, Event, Step, Terminated],
     };
     for next in path {
@@ -100,7 +104,7 @@ fn in_state(component: &Component, version: Version, exchange: bool, state: Stat
             Step => Ok,
             Continuous => instance.enter_continuous_time(),
             Terminated => instance.terminate(),
-            Instantiated | Failed => Ok,
+            Instantiated | Intermediate | Failed => Ok,
         };
         assert_eq!(status, Ok);
     }
@@ -158,7 +162,14 @@ const FMI2: &[Row] = &[
 ];
 
 const ALWAYS_3: &[State] = &STATES_3;
-const READ_3: &[State] = &[Instantiated, Initialization, Event, Step, Terminated];
+const READ_3: &[State] = &[
+    Instantiated,
+    Initialization,
+    Event,
+    Step,
+    Intermediate,
+    Terminated,
+];
 const SET_3: &[State] = &[Instantiated, Configuration, Initialization, Event, Step];
 
 #[rustfmt::skip]
@@ -184,8 +195,8 @@ const FMI3: &[Row] = &[
     ("fmi3SetBoolean", SET_3, |c, _| unsafe { fmi3SetBoolean(c, null(), 0, null(), 0) }),
     ("fmi3SetInt32", SET_3, |c, _| unsafe { fmi3SetInt32(c, null(), 0, null(), 0) }),
     ("fmi3SetString", SET_3, |c, _| unsafe { fmi3SetString(c, null(), 0, null(), 0) }),
-    ("fmi3GetOutputDerivatives", &[Step, Terminated], |c, _| unsafe { fmi3GetOutputDerivatives(c, &THETA, 1, &1, &mut 0.0, 1) }),
-    ("fmi3GetDirectionalDerivative", &[Initialization, Event, Step, Terminated], |c, _| unsafe { fmi3GetDirectionalDerivative(c, &THETA, 1, &U, 1, &1.0, 1, &mut 0.0, 1) }),
+    ("fmi3GetOutputDerivatives", &[Step, Intermediate, Terminated], |c, _| unsafe { fmi3GetOutputDerivatives(c, &THETA, 1, &1, &mut 0.0, 1) }),
+    ("fmi3GetDirectionalDerivative", &[Initialization, Event, Step, Intermediate, Terminated], |c, _| unsafe { fmi3GetDirectionalDerivative(c, &THETA, 1, &U, 1, &1.0, 1, &mut 0.0, 1) }),
     ("fmi3DoStep", &[Step], |c, _| unsafe { fmi3DoStep(c, 0.0, 0.1, 1, &mut 0, &mut 0, &mut 0, &mut 0.0) }),
     ("fmi3GetFMUState", ALWAYS_3, |c, _| unsafe { fmi3GetFMUState(c, &mut null_mut()) }),
     ("fmi3SetFMUState", ALWAYS_3, |c, state| unsafe { fmi3SetFMUState(c, state) }),
