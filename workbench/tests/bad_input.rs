@@ -136,7 +136,7 @@ fn what_cannot_be_used_is_refused_with_what_would_be_right() {
         (
             "run-a.csv",
             |t| t.replacen("time,", "t,", 1),
-            "it must be `time` [s]",
+            "has no column `time` [s], the first column is `t`",
         ),
         (
             "run-a.csv",

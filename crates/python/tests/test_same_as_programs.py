@@ -223,5 +223,6 @@ def test_a_small_plant(tmp_path: pathlib.Path) -> None:
     finding = stickslip.Case(model, {"run-a.csv": learned}, held_out=held_out, name="pendulum").diagnose(out=tmp_path / "package")
     assert comparable(finding.to_json()) == comparable((tmp_path / "program/finding.json").read_text())
     assert str(finding) == result.stdout
-    assert finding.verdict == "named" and finding.fmus == [] and finding.held_out == []
+    assert finding.verdict == "named" and finding.held_out == []
+    assert [path.name for path in finding.fmus] == ["Pendulum.fmi2.fmu", "Pendulum.fmi3.fmu"]
     assert [effect.name for effect in finding.effects] == ["coulomb_friction"]
