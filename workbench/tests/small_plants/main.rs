@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use workbench::diagnose::finding::{Finding, ParameterValue, VerdictName};
 use workbench::diagnose::small_plant::finding::SmallFinding;
 
-use crate::common::stickslip;
+use crate::common::{library, stickslip};
 use crate::records::{
     ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, multiplied, pendulum,
     pendulum_read, resized,
@@ -42,7 +42,12 @@ impl Place {
     fn run(&self, stage: &str, more: &[&str]) -> (i32, String) {
         let case = self.directory.path().to_str().unwrap().to_owned();
         let out = self.file("out").to_str().unwrap().to_owned();
-        stickslip(&[&[stage, &case, "--out", &out], more].concat())
+        let library = library("stickslip");
+        let packed: &[&str] = match stage {
+            "diagnose" | "amend" => &["--library", &library],
+            _ => &[],
+        };
+        stickslip(&[&[stage, &case, "--out", &out], packed, more].concat())
     }
 
     /// What a diagnosis finds, whose exit code is this, with what it shows.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use workbench::diagnose::small_plant::finding::SmallFinding;
 
-use crate::common::stickslip;
+use crate::common::{library, stickslip};
 use crate::names;
 
 /// The shared measurements, where this tree has them beside it.
@@ -35,6 +35,8 @@ fn measured(model: &str, records: &str, held_out: &str) -> Option<(SmallFinding,
         real.join(held_out).to_str().unwrap(),
         "--out",
         out.path().to_str().unwrap(),
+        "--library",
+        &library("stickslip"),
     ]);
     assert_eq!(code, 0, "{text}");
     Some((SmallFinding::read(out.path()).unwrap(), text))

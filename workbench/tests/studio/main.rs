@@ -514,7 +514,8 @@ fn a_small_plant_is_diagnosed_too() {
     for (name, seed) in [("run-a.csv", 1), ("run-b.csv", 2), ("held-out.csv", 3)] {
         fs::write(case.join(name), records::drive(15.0, seed)).unwrap();
     }
-    let studio = Studio::start(&[case.to_str().unwrap()]);
+    let library = common::library("stickslip");
+    let studio = Studio::start(&[case.to_str().unwrap(), "--library", &library]);
     let state = studio.get("api/state").json();
     assert_eq!(state["models"][0]["kind"], "small plant");
     let known = state["effects"].as_array().unwrap();
