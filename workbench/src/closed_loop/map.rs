@@ -26,12 +26,12 @@ struct LoopMap<'a> {
 
 /// Writes `map.csv`, `map.svg` and `map.png`.
 pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome> {
-    let map = LoopMap {
+    let mut map = LoopMap {
         arguments,
         cases: arguments.cases(),
         speeds: arguments.speed_rpm.values(),
         forces: arguments.normal_force.values(),
-        identity: identity(arguments)?,
+        identity: String::new(),
     };
     // A first run of each case shows what is wrong with the files before the many begin.
     for case in &map.cases {
@@ -41,6 +41,8 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
         };
         run(&arguments.rig, case, &brief, &INTERRUPTED)?;
     }
+    // What is no file, or an archive without end, the runs have refused by now.
+    map.identity = identity(arguments)?;
     let Some(made) = make(&map, &arguments.out, &INTERRUPTED, arguments.threads)? else {
         return Ok(Outcome::Interrupted);
     };
