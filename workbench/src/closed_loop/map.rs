@@ -26,23 +26,23 @@ struct LoopMap<'a> {
 
 /// Writes `map.csv`, `map.svg` and `map.png`.
 pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome> {
-    let mut map = LoopMap {
-        arguments,
-        cases: arguments.cases(),
-        speeds: arguments.speed_rpm.values(),
-        forces: arguments.normal_force.values(),
-        identity: String::new(),
-    };
-    // A first run of each case shows what is wrong with the files before the many begin.
-    for case in &map.cases {
+    let (cases, speeds) = (arguments.cases(), arguments.speed_rpm.values());
+    let forces = arguments.normal_force.values();
+    // A first run of each case shows what is wrong with the files before the many begin; the identity reads them whole.
+    for case in &cases {
         let brief = Conditions {
             duration: arguments.communication_step[0],
-            ..map.conditions(0, 0)
+            ..conditions(arguments, speeds[0], forces[0])
         };
         run(&arguments.rig, case, &brief, &INTERRUPTED)?;
     }
-    // What is no file, or an archive without end, the runs have refused by now.
-    map.identity = identity(arguments)?;
+    let map = LoopMap {
+        arguments,
+        cases,
+        speeds,
+        forces,
+        identity: identity(arguments)?,
+    };
     let Some(made) = make(&map, &arguments.out, &INTERRUPTED, arguments.threads)? else {
         return Ok(Outcome::Interrupted);
     };
@@ -64,17 +64,17 @@ pub(super) fn command(arguments: &ClosedLoopArguments) -> anyhow::Result<Outcome
     Ok(judge(&map, &made.rows))
 }
 
-impl LoopMap<'_> {
-    fn conditions(&self, row: usize, column: usize) -> Conditions {
-        Conditions {
-            speed_rpm: self.speeds[column],
-            normal_force: self.forces[row % self.forces.len()],
-            normal_force_1: self.arguments.normal_force_1,
-            step: self.arguments.communication_step[0],
-            duration: self.arguments.duration,
-        }
+fn conditions(arguments: &ClosedLoopArguments, speed_rpm: f64, normal_force: f64) -> Conditions {
+    Conditions {
+        speed_rpm,
+        normal_force,
+        normal_force_1: arguments.normal_force_1,
+        step: arguments.communication_step[0],
+        duration: arguments.duration,
     }
+}
 
+impl LoopMap<'_> {
     fn by_case<'a>(&self, rows: &'a [Vec<Point>]) -> Vec<&'a [Vec<Point>]> {
         rows.chunks(self.forces.len()).collect()
     }
@@ -96,7 +96,8 @@ impl Study for LoopMap<'_> {
 
     fn try_run(&self, row: usize, column: usize) -> Result<Point, String> {
         let case = &self.cases[row / self.forces.len()];
-        let conditions = self.conditions(row, column);
+        let force = self.forces[row % self.forces.len()];
+        let conditions = conditions(self.arguments, self.speeds[column], force);
         let samples = run(&self.arguments.rig, case, &conditions, &INTERRUPTED);
         samples
             .map(|samples| samples.point())
