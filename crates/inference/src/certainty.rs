@@ -39,19 +39,14 @@ impl Fit {
     /// were made with (the parametric bootstrap: Efron and Tibshirani, An Introduction to the Bootstrap, 1993, section 6.5).
     ///
     /// Replicas know what no curvature tells: where friction fluctuates, a disc breaks away where it happens to be low, and all
-    /// torques come out smaller.
+    /// torques come out smaller. `None` where the model cannot run through the records.
     #[must_use]
-    pub fn estimates_beside_replicas(&self, problem: &Problem) -> Vec<Estimate> {
-        let covariance = self.covariance(&problem.long).map(|own| {
-            let student = student(REPLICAS as f64) / SURELY;
-            match self.scatter_of_replicas(problem) {
-                Some(scatter) => scaled(&own, |j| {
-                    (student * (scatter[(j, j)] / own[(j, j)]).sqrt()).max(1.0)
-                }),
-                None => own,
-            }
-        });
-        self.estimates_with(covariance.as_ref())
+    pub fn estimates_beside_replicas(&self, problem: &Problem) -> Option<Vec<Estimate>> {
+        let own = self.covariance(&problem.long)?;
+        let scatter = self.scatter_of_replicas(problem)?;
+        let student = student(REPLICAS as f64) / SURELY;
+        let wider = |j: usize| (student * (scatter[(j, j)] / own[(j, j)]).sqrt()).max(1.0);
+        Some(self.estimates_with(Some(&scaled(&own, wider))))
     }
 
     fn estimates_with(&self, covariance: Option<&DMatrix<f64>>) -> Vec<Estimate> {
@@ -59,8 +54,7 @@ impl Fit {
         hypothesis.estimates(|i, j| covariance.map_or(f64::NAN, |c| c[(i, j)]))
     }
 
-    /// Mean square by which the numbers of replicas miss, and what their priors leave open; `None` where the model cannot run through
-    /// the records.
+    /// Mean square by which the numbers of replicas miss, and what their priors leave open.
     fn scatter_of_replicas(&self, problem: &Problem) -> Option<DMatrix<f64>> {
         let precisions = self.hypothesis.prior_precisions();
         let x = DVector::from_column_slice(&self.hypothesis.x);

@@ -67,6 +67,8 @@ pub struct Diagnosis {
     pub best: Fit,
     /// Values and deviations of all that is free in the fit that the amended model is made of.
     pub estimates: Vec<Estimate>,
+    /// Whether replicas of the records widened their intervals; not where that fit cannot run through the records.
+    pub is_replayed: bool,
     /// Where the analyst's model leaves structure, strongest first.
     pub structure: Vec<Structure>,
     /// Where the best set does, strongest first.
@@ -130,13 +132,17 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
         Verdict::Ambiguous
     };
     progress("what replicas of the records tell of the numbers");
-    let estimates = amended(verdict, &best.fit, &found.base.fit).estimates_beside_replicas(problem);
+    let amended = amended(verdict, &best.fit, &found.base.fit);
+    let replayed = amended.estimates_beside_replicas(problem);
+    let is_replayed = replayed.is_some();
+    let estimates = replayed.unwrap_or_else(|| amended.estimates(data));
     Diagnosis {
         verdict,
         effects: best.effects.clone(),
         probability,
         ranking,
         estimates,
+        is_replayed,
         base: found.base.fit.clone(),
         best: best.fit.clone(),
         structure,

@@ -23,6 +23,8 @@ use crate::files::record::Record;
 pub const EXPERIMENT_FILE: &str = "experiment.csv";
 /// Standard errors from the middle to the end of a 95 % interval.
 const TO_95_PERCENT: f64 = 1.96;
+/// What is said of intervals that replicas could not widen.
+const NOT_REPLAYED: &str = "the fitted model cannot run through the records as a whole: the intervals are those of the windows alone, and may be too narrow";
 
 /// Names what is missing; with a verdict that leaves several names, also the inputs of an experiment that tells them apart.
 ///
@@ -141,6 +143,9 @@ fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<
         structure: finite(found.check.structure).unwrap_or_default(),
     });
     finding.notes.extend(fates(found));
+    if !found.is_replayed {
+        finding.notes.push(NOT_REPLAYED.to_owned());
+    }
     Ok(finding)
 }
 
@@ -269,7 +274,9 @@ pub fn forced_finding(
             (name.clone(), known.map_or(0.0, |effect| effect.probability))
         })
         .collect();
-    let estimates = forced.fit.estimates_beside_replicas(&problem);
+    let replayed = forced.fit.estimates_beside_replicas(&problem);
+    let is_replayed = replayed.is_some();
+    let estimates = replayed.unwrap_or_else(|| forced.fit.estimates(&problem.long));
     let mut finding = from_fit(
         case,
         &problem,
@@ -282,6 +289,9 @@ pub fn forced_finding(
         "the effects were given by --effect: {}",
         names.join(", ")
     ));
+    if !is_replayed {
+        finding.notes.push(NOT_REPLAYED.to_owned());
+    }
     if let Some(earlier) = earlier {
         finding.ranking = earlier.ranking;
         finding.structure = earlier.structure;
