@@ -2,13 +2,26 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
-use toml::Value;
+use toml::Table;
 
 use super::coordinate::{DIRECTION, FRICTION, TIME, compile, quantities};
-use super::{Dimension, FileError, Kind, Origin, Parameter, Path};
+use super::{Dimension, FileError, Kind, Parameter, Path};
 use crate::expression::{MOST_PARAMETERS, Program, check_name};
-use crate::parameter::Range;
+use crate::parameter::{Entry, ModelFileError, Provenance, Range};
+
+const KEYS: [&str; 10] = [
+    "name",
+    "title",
+    "port",
+    "equation",
+    "parameters",
+    "signature",
+    "confusable",
+    "kinds",
+    "path",
+    "source",
+];
+const NUMBER_KEYS: [&str; 4] = ["value", "unit", "range", "description"];
 
 /// Where an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,8 +76,7 @@ impl Effect {
 }
 
 /// A section `[[effect]]`.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Described {
     /// Name in findings.
     pub name: String,
@@ -75,40 +87,35 @@ pub struct Described {
     /// Its equation.
     pub equation: String,
     /// Its numbers by key.
-    pub parameters: BTreeMap<String, Number>,
-    #[serde(default)]
+    parameters: BTreeMap<String, Number>,
     signature: String,
-    #[serde(default)]
     confusable: Vec<String>,
     kinds: Option<Vec<String>>,
     path: Option<String>,
-    #[serde(rename = "source")]
-    _source: Option<String>,
 }
 
 /// A number of an effect.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Number {
+#[derive(Debug, Clone, PartialEq)]
+struct Number {
     unit: String,
-    range: Option<Value>,
+    range: Range,
     description: String,
     /// Its value; of an effect that is only supposed, where fits start.
-    pub value: Option<f64>,
-    /// Where it comes from.
-    pub source: Option<String>,
-    #[serde(rename = "status")]
-    _status: Option<String>,
-    /// Relative standard deviation.
-    pub relative_uncertainty: Option<f64>,
-    /// Interval that covers it with 95 % probability.
-    pub interval95: Option<[f64; 2]>,
+    value: Option<f64>,
+    provenance: Provenance,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    effect: Vec<Described>,
+impl Number {
+    fn of(entry: &Entry<'_>) -> Result<Self, ModelFileError> {
+        entry.check_keys(&[&NUMBER_KEYS[..], &Provenance::KEYS].concat())?;
+        Ok(Self {
+            unit: entry.words("unit", "a unit such as N.m.s/rad, force/speed, or 1")?,
+            range: entry.range()?,
+            description: entry.words("description", "one line that says what the number is")?,
+            value: entry.optional_number("value")?,
+            provenance: entry.provenance()?,
+        })
+    }
 }
 
 /// The effects that a text has, which consists of sections `[[effect]]`; `file` names it in messages.
@@ -116,15 +123,61 @@ struct File {
 /// # Errors
 /// The text is no such file.
 pub fn read(text: &str, file: &str) -> Result<Vec<Described>, FileError> {
-    let read: Result<File, _> = toml::from_str(text);
-    read.map(|file| file.effect)
-        .map_err(|error| FileError::Syntax {
+    let table: Table = text.parse().map_err(|error: toml::de::Error| {
+        let message = error.to_string().trim_end().to_owned();
+        FileError::Syntax {
             file: file.to_owned(),
-            message: error.to_string().trim_end().to_owned(),
-        })
+            message,
+        }
+    })?;
+    let missing = || FileError::Missing {
+        file: file.to_owned(),
+        section: "effect".to_owned(),
+        key: "everything".to_owned(),
+        expected: "name, title, port, equation and parameters under [[effect]]".to_owned(),
+    };
+    if let Some(other) = table.keys().find(|key| *key != "effect") {
+        return Err(FileError::Unknown {
+            file: file.to_owned(),
+            what: format!("section [{other}] in a file of effects"),
+            known: "effect".to_owned(),
+        });
+    }
+    let list = table.get("effect").ok_or_else(missing)?;
+    read_list(Some(list), file)
+}
+
+/// The effects of the sections `[[effect]]` that `list` is.
+pub(super) fn read_list(
+    list: Option<&toml::Value>,
+    file: &str,
+) -> Result<Vec<Described>, FileError> {
+    let entries = Entry::effects(list, file)?;
+    let described = entries.iter().map(Described::of);
+    Ok(described.collect::<Result<_, _>>()?)
 }
 
 impl Described {
+    fn of(entry: &Entry<'_>) -> Result<Self, ModelFileError> {
+        entry.check_keys(&KEYS)?;
+        entry.optional_words("source")?;
+        let mut parameters = BTreeMap::new();
+        for (key, number) in entry.entries("parameters")? {
+            parameters.insert(key.to_owned(), Number::of(&number)?);
+        }
+        Ok(Self {
+            name: entry.words("name", "a name such as support_rumble")?,
+            title: entry.words("title", "one line that says what the effect is")?,
+            port: entry.words("port", "plant.force or plant.friction")?,
+            equation: entry.words("equation", "an equation for a force")?,
+            parameters,
+            signature: entry.optional_words("signature")?.unwrap_or_default(),
+            confusable: entry.list("confusable")?.unwrap_or_default(),
+            kinds: entry.list("kinds")?,
+            path: entry.optional_words("path")?,
+        })
+    }
+
     /// The effect on a plant of this kind and path.
     ///
     /// # Errors
@@ -201,7 +254,7 @@ impl Described {
         file: &str,
         kind: Kind,
         path: Path,
-    ) -> Result<Vec<(f64, Origin)>, FileError> {
+    ) -> Result<Vec<(f64, Provenance)>, FileError> {
         let given = effect.parameters.iter().map(|parameter| {
             let number = &self.parameters[parameter.key];
             let value = number.value.ok_or_else(|| FileError::Missing {
@@ -214,12 +267,7 @@ impl Described {
                     parameter.dimension.unit(kind, path)
                 ),
             })?;
-            let origin = Origin {
-                relative_uncertainty: number.relative_uncertainty,
-                source: number.source.clone(),
-                interval95: number.interval95,
-            };
-            Ok((value, origin))
+            Ok((value, number.provenance.clone()))
         });
         given.collect()
     }
@@ -229,8 +277,7 @@ impl Described {
     pub(super) fn without_numbers(&self) -> Self {
         let mut described = self.clone();
         for number in described.parameters.values_mut() {
-            (number.value, number.source) = (None, None);
-            (number.relative_uncertainty, number.interval95) = (None, None);
+            (number.value, number.provenance) = (None, Provenance::default());
         }
         described
     }
@@ -248,12 +295,7 @@ impl Described {
             let found = format!("{:?}", number.unit);
             self.wrong(file, &key_of("unit"), &found, &format!("a unit: {error}"))
         })?;
-        let range = match &number.range {
-            None => Range::Finite,
-            Some(value) => Range::read(value).ok_or_else(|| {
-                self.wrong(file, &key_of("range"), &value.to_string(), Range::WRITTEN)
-            })?,
-        };
+        let range = number.range;
         if let Some(value) = number.value.filter(|value| !range.contains(*value)) {
             let expected = range.to_string();
             return Err(self.wrong(file, &key_of("value"), &value.to_string(), &expected));

@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 use toml::Value;
 
 use super::dimension::plain;
-use super::effect::{Described, read};
+use super::effect::{Described, read, read_list};
 use super::{Kind, Parameter, Path};
+use crate::parameter::{Entry, ModelFileError, Provenance};
 
 /// Name of the file of effects that the library brings, for messages.
 pub const CATALOGUE_FILE: &str = "src/body/effects.toml";
@@ -74,17 +74,9 @@ pub enum FileError {
         /// The known ones.
         known: String,
     },
-}
-
-/// A number's uncertainty and origin, as far as the file tells.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Origin {
-    /// Relative standard deviation; a number without one counts as unknown.
-    pub relative_uncertainty: Option<f64>,
-    /// Where it comes from.
-    pub source: Option<String>,
-    /// Interval that covers it with 95 % probability.
-    pub interval95: Option<[f64; 2]>,
+    /// A key of a table is wrong.
+    #[error(transparent)]
+    Table(#[from] ModelFileError),
 }
 
 /// The section `[plant]`.
@@ -96,26 +88,6 @@ pub struct Plant {
     pub path: Path,
     /// The FMU that it is, if it is one.
     pub fmu: Option<PathBuf>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PlantSection {
-    kind: String,
-    path: String,
-    fmu: Option<PathBuf>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NumberTable {
-    value: f64,
-    unit: Option<String>,
-    source: Option<String>,
-    #[serde(rename = "status")]
-    _status: Option<String>,
-    relative_uncertainty: Option<f64>,
-    interval95: Option<[f64; 2]>,
 }
 
 /// Whether a model file's text describes a small plant.
@@ -153,12 +125,27 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// The section is missing or wrong.
     pub fn plant(&self) -> Result<Plant, FileError> {
-        let PlantSection { kind, path, fmu } = self.section(
-            "plant",
-            "kind = \"drive\", \"pendulum\", \"contact\", \"balance\", \"joint\" or \"fmu\" and path = \"line\" or \"turn\"",
+        let expected = "kind = \"drive\", \"pendulum\", \"contact\", \"balance\", \"joint\" or \"fmu\" and path = \"line\" or \"turn\"";
+        let table = self.table.get("plant").and_then(Value::as_table);
+        let table = table.ok_or_else(|| FileError::Missing {
+            file: self.file.to_owned(),
+            section: "plant".to_owned(),
+            key: "everything".to_owned(),
+            expected: expected.to_owned(),
+        })?;
+        let entry = Entry {
+            file: self.file,
+            section: "plant".to_owned(),
+            path: String::new(),
+            table,
+        };
+        entry.check_keys(&["kind", "path", "fmu"])?;
+        let kind = entry.choice("kind", &Kind::ALL.map(|kind| (kind.word(), kind)))?;
+        let path = entry.choice(
+            "path",
+            &[Path::Line, Path::Turn].map(|path| (path.word(), path)),
         )?;
-        let kind = self.word("kind", &kind, &Kind::ALL, Kind::word)?;
-        let path = self.word("path", &path, &[Path::Line, Path::Turn], Path::word)?;
+        let fmu = entry.optional_words("fmu")?.map(PathBuf::from);
         if kind.runs_alone() && path == Path::Line {
             let right = format!("\"turn\": a {} turns", kind.word());
             return Err(self.wrong("plant", "path", "\"line\"", &right));
@@ -178,17 +165,7 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// One of them lacks something, or has too much.
     pub fn own_effects(&self) -> Result<Vec<Described>, FileError> {
-        let Some(list) = self.table.get(OWN_EFFECTS) else {
-            return Ok(Vec::new());
-        };
-        let read = list.clone().try_into();
-        read.map_err(|error: toml::de::Error| FileError::Syntax {
-            file: self.file.to_owned(),
-            message: format!(
-                "[[effect]]: {}; it needs name, title, port, equation and parameters",
-                error.message()
-            ),
-        })
+        read_list(self.table.get(OWN_EFFECTS), self.file)
     }
 
     /// Refuses a description of an effect whose name is taken.
@@ -259,21 +236,6 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn word<T: Copy>(
-        &self,
-        key: &str,
-        found: &str,
-        all: &[T],
-        of: fn(T) -> &'static str,
-    ) -> Result<T, FileError> {
-        let known = all.iter().copied().find(|choice| of(*choice) == found);
-        known.ok_or_else(|| {
-            let words: Vec<&str> = all.iter().map(|choice| of(*choice)).collect();
-            let expected = format!("one of {}", words.join(", "));
-            self.wrong("plant", key, &format!("{found:?}"), &expected)
-        })
-    }
-
     /// The numbers of a base or an effect of the catalogue, in the order of its parameters.
     ///
     /// # Errors
@@ -284,7 +246,7 @@ impl<'a> Reader<'a> {
         parameters: &[Parameter],
         kind: Kind,
         path: Path,
-    ) -> Result<Vec<(f64, Origin)>, FileError> {
+    ) -> Result<Vec<(f64, Provenance)>, FileError> {
         let expected = || {
             let parameters = parameters.iter();
             parameters
@@ -321,8 +283,8 @@ impl<'a> Reader<'a> {
             let key = parameter.key;
             let value = table.get(key).ok_or_else(|| missing(key))?;
             let (number, origin) = match value {
-                Value::Float(number) => (*number, Origin::default()),
-                Value::Integer(number) => (*number as f64, Origin::default()),
+                Value::Float(number) => (*number, Provenance::default()),
+                Value::Integer(number) => (*number as f64, Provenance::default()),
                 other => self.number(section, key, other, parameter.dimension.unit(kind, path))?,
             };
             if !parameter.range.contains(number) {
@@ -340,24 +302,25 @@ impl<'a> Reader<'a> {
         key: &str,
         value: &Value,
         unit: &str,
-    ) -> Result<(f64, Origin), FileError> {
+    ) -> Result<(f64, Provenance), FileError> {
         let expected = format!("a number or {{ value = …, unit = \"{unit}\", source = … }}");
-        let table: NumberTable = value
-            .clone()
-            .try_into()
-            .map_err(|_| self.wrong(section, key, &value.to_string(), &expected))?;
-        if let Some(found) = &table.unit
-            && plain(found) != plain(unit)
-        {
-            let key = format!("{key}.unit");
-            return Err(self.wrong(section, &key, &format!("{found:?}"), &format!("\"{unit}\"")));
-        }
-        let origin = Origin {
-            relative_uncertainty: table.relative_uncertainty,
-            source: table.source,
-            interval95: table.interval95,
+        let wrong = || self.wrong(section, key, &value.to_string(), &expected);
+        let entry = Entry {
+            file: self.file,
+            section: section.to_owned(),
+            path: format!("{key}."),
+            table: value.as_table().ok_or_else(wrong)?,
         };
-        Ok((table.value, origin))
+        entry.check_keys(&[&["value", "unit"][..], &Provenance::KEYS].concat())?;
+        let number = entry.optional_number("value")?.ok_or_else(wrong)?;
+        if let Some(found) = entry.optional_words("unit")?
+            && plain(&found) != plain(unit)
+        {
+            return Err(entry
+                .wrong_words("unit", &found, &format!("\"{unit}\""))
+                .into());
+        }
+        Ok((number, entry.provenance()?))
     }
 
     /// The refusal of a value.

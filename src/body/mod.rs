@@ -18,10 +18,8 @@ mod system;
 pub use base::{DRIVE, JOINT, PENDULUM, Parameter, base, parameter};
 pub use definition::Definition;
 pub use dimension::{Dimension, plain};
-pub use effect::{Described, Effect, Number, Port, read as read_effects};
-pub use file::{
-    CATALOGUE_FILE, FileError, OWN_EFFECTS, Origin, Plant, Reader, catalogue, is_small_plant,
-};
+pub use effect::{Described, Effect, Port, read as read_effects};
+pub use file::{CATALOGUE_FILE, FileError, OWN_EFFECTS, Plant, Reader, catalogue, is_small_plant};
 pub use kind::{Kind, Path};
 pub use motion::{
     BodyJet, Branches, CONNECTED, FORCE, GuardKind, INPUTS, Inputs, Mode, Motion, VOLTAGE,

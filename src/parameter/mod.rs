@@ -1,10 +1,12 @@
 //! Physical parameters: one declaration gives the struct, its names, units, ranges and access.
 
+mod entry;
 mod list;
 mod range;
 mod section_file;
 pub mod units;
 
+pub(crate) use entry::Entry;
 pub use list::Parameter;
 pub(crate) use list::{check, parameters, position, set_at, value_at};
 pub use range::Range;

@@ -1,5 +1,6 @@
 //! Reading the sections of `model.toml`: numbers with where they come from, and what may be wrong with them.
 
+use super::entry::Entry;
 use super::{ParameterError, ParameterInfo, units};
 use std::collections::BTreeMap;
 use thiserror::Error;
@@ -115,7 +116,7 @@ impl Provenance {
 }
 
 /// Allowed words for [`Provenance::status`].
-const STATUSES: [&str; 6] = [
+pub(super) const STATUSES: [&str; 6] = [
     "published",
     "measured",
     "corrected",
@@ -253,45 +254,22 @@ impl<'a> SectionReader<'a> {
         info: &ParameterInfo,
         table: &toml::Table,
     ) -> Result<Provenance, ModelFileError> {
-        let mut provenance = Provenance::default();
-        for (field, value) in table {
-            let name = format!("{}.{field}", info.key);
-            let wrong = |expected: &str| Err(self.wrong_type(section, &name, value, expected));
-            match (field.as_str(), value) {
-                ("value", _) => {}
-                ("unit", Value::String(text)) if units::is_same(text, info.unit) => {}
-                ("unit", _) => return wrong(&format!("{:?}; convert the value", info.unit)),
-                ("source", Value::String(text)) => provenance.source = Some(text.clone()),
-                ("source", _) => return wrong("a text"),
-                ("status", Value::String(text)) if STATUSES.contains(&text.as_str()) => {
-                    provenance.status = Some(text.clone());
-                }
-                ("status", _) => return wrong(&format!("one of {}", STATUSES.join(", "))),
-                ("relative_uncertainty", _) => {
-                    let known = number(value).filter(|x| x.is_finite() && *x >= 0.0);
-                    if known.is_none() {
-                        return wrong("one standard deviation over the value, 0 or above");
-                    }
-                    provenance.relative_uncertainty = known;
-                }
-                ("interval95", _) => {
-                    let Some(bounds) = interval(value) else {
-                        return wrong("two numbers, the lower one first");
-                    };
-                    provenance.interval95 = Some(bounds);
-                }
-                _ => {
-                    return Err(ModelFileError::UnknownKey {
-                        file: self.file.to_owned(),
-                        section: section.to_owned(),
-                        key: name,
-                        known: "value, unit, source, status, relative_uncertainty, interval95"
-                            .to_owned(),
-                    });
-                }
+        let entry = Entry {
+            file: self.file,
+            section: section.to_owned(),
+            path: format!("{}.", info.key),
+            table,
+        };
+        entry.check_keys(&[&["value", "unit"][..], &Provenance::KEYS].concat())?;
+        match table.get("unit") {
+            Some(Value::String(text)) if units::is_same(text, info.unit) => {}
+            None => {}
+            Some(other) => {
+                let expected = format!("{:?}; convert the value", info.unit);
+                return Err(entry.wrong("unit", other, &expected));
             }
         }
-        Ok(provenance)
+        entry.provenance()
     }
 
     pub(crate) fn wrong_type(
@@ -321,7 +299,7 @@ pub(crate) fn number(value: &Value) -> Option<f64> {
 }
 
 /// Two numbers that do not fall.
-fn interval(value: &Value) -> Option<[f64; 2]> {
+pub(super) fn interval(value: &Value) -> Option<[f64; 2]> {
     let [low, high] = value.as_array()?.as_slice() else {
         return None;
     };

@@ -12,7 +12,8 @@ use super::problem::Problem;
 use super::showing::{balance, final_intervals, polished};
 use super::structure::structures;
 use crate::diagnose::finding::{Finding, FoundEffect, ParameterValue, Ranked, VerdictName};
-use stickslip::body::{Dimension, Kind, Origin};
+use stickslip::body::{Dimension, Kind};
+use stickslip::parameter::Provenance;
 
 /// Share of what is left that a free function of one coordinate may explain before something counts as missing still: most of it.
 const STRUCTURED: f64 = 0.5;
@@ -242,9 +243,10 @@ pub fn amended_text(case: &SmallCase, found: &SmallFinding) -> Result<String, St
                 amended.model.set(at, j, number.value);
                 amended.origins.insert(
                     name,
-                    Origin {
-                        relative_uncertainty: None,
+                    Provenance {
                         source: Some(source.clone()),
+                        status: Some("fitted".to_owned()),
+                        relative_uncertainty: None,
                         interval95: number.interval95,
                     },
                 );

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
-use stickslip::body::{FileError, Origin, Reader};
+use stickslip::body::{FileError, Reader};
+use stickslip::parameter::Provenance;
 use thiserror::Error;
 
 use super::columns::{ColumnError, Columns};
@@ -58,7 +59,7 @@ pub struct SmallModel {
     /// How an FMU meets the records; none of the other kinds.
     pub ports: Option<Ports>,
     /// Origins by dotted name.
-    pub origins: BTreeMap<String, Origin>,
+    pub origins: BTreeMap<String, Provenance>,
 }
 
 impl SmallModel {

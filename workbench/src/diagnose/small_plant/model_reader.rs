@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Deserialize;
-use stickslip::body::{Dimension, FileError, Kind, OWN_EFFECTS, Origin, Parameter, Plant, Reader};
-use stickslip::parameter::Range;
+use stickslip::body::{Dimension, FileError, Kind, OWN_EFFECTS, Parameter, Plant, Reader};
+use stickslip::parameter::{Provenance, Range};
 
 use super::base::{PARAMETERS, base, of_fmu};
 use super::catalogue::{CATALOGUE, entry};
@@ -71,7 +71,7 @@ pub(super) fn read(reader: &Reader<'_>) -> Result<SmallModel, SmallModelError> {
         None => of_fmu(parameters(reader)?),
     };
     let mut origins = BTreeMap::new();
-    let mut values = |entry: &Entry, numbers: Vec<(f64, Origin)>| -> Vec<f64> {
+    let mut values = |entry: &Entry, numbers: Vec<(f64, Provenance)>| -> Vec<f64> {
         let numbers = entry.parameters.iter().zip(numbers);
         let values = numbers.map(|(parameter, (value, origin))| {
             origins.insert(dotted(entry, parameter.key), origin);
