@@ -27,7 +27,7 @@ pub struct BuildArguments {
     #[arg(long, value_enum, value_name = "VERSION")]
     pub fmi: Option<Version>,
     /// Pack the library for this platform (`linux64`, `win64`, `aarch64-linux`, …) from `platforms/` beside this
-    /// program; may be repeated. Without it that of this machine, and for rigs and controllers all that are there.
+    /// program; may be repeated. Without it all that are there, and around another tool's FMU that of this machine.
     #[arg(long = "platform", value_name = "PLATFORM")]
     pub platforms: Vec<Platform>,
     /// A library to pack, for the platform that its header names; may be repeated. Without it those beside this program.

@@ -16,7 +16,7 @@ use super::drive::Drive;
 pub struct SimulateArguments {
     /// Model (.toml, run natively) or FMU (.fmu, run through its binary).
     pub model: PathBuf,
-    /// Inputs over time: a CSV whose header names FMU variables, `time` first; values are held between samples.
+    /// Inputs over time: a record whose header names `time` and FMU variables; values are held between samples.
     #[arg(long, value_name = "CSV", conflicts_with_all = ["speed_rpm", "normal_force", "normal_force_1"])]
     pub inputs: Option<PathBuf>,
     /// Speed at the gearbox output [rpm] that the voltage would give the undisturbed rig.
