@@ -38,6 +38,15 @@ pub struct Search {
     pub base: Candidate,
 }
 
+/// How far [`explore`] goes from a set.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Reach {
+    /// Sets of one effect more, one less, or with one exchanged.
+    Exchanges,
+    /// Sets of one effect more or less: the exchanges were tried on a part of the windows.
+    Neighbours,
+}
+
 /// Goes over sets of effects until no move gains, first on a part of the windows and from what that leads to on all of them;
 /// `progress` hears of each set that is fitted.
 #[must_use]
@@ -47,7 +56,7 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
     let first = candidate(&part, fit_from(&part, part.hypothesis(), None, true));
     let mut known = vec![first.clone()];
     if first.fit.calm(&part.long).misfit(&part.long) > WRONG {
-        explore(&part, &mut known, progress);
+        explore(&part, &mut known, Reach::Exchanges, progress);
     }
     let mut whole: Vec<Candidate> = Vec::new();
     let rivals = known.iter().filter(|c| !c.effects.is_empty()).take(RIVALS);
@@ -66,7 +75,7 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
         );
         whole.push(candidate(problem, fit));
     }
-    explore(problem, &mut whole, progress);
+    explore(problem, &mut whole, Reach::Neighbours, progress);
     if !whole[0].fit.is_converged {
         let fit = whole[0].fit.clone().improved(&problem.long, 2 * STEPS);
         whole[0] = candidate(problem, fit);
@@ -92,7 +101,12 @@ fn named(effects: &[&str]) -> String {
 }
 
 /// Goes on from the best of `known` until no move gains.
-fn explore(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnMut(&str)) {
+fn explore(
+    problem: &Problem,
+    known: &mut Vec<Candidate>,
+    reach: Reach,
+    progress: &mut dyn FnMut(&str),
+) {
     let mut expanded: Vec<Vec<&'static str>> = Vec::new();
     known.sort_by(|a, b| b.score().total_cmp(&a.score()));
     let Some(mut current) = known.first().cloned() else {
@@ -111,7 +125,11 @@ fn explore(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnM
                     .find(|candidate| candidate.effects.is_empty())
                     .map_or(f64::NEG_INFINITY, |candidate| candidate.evidence);
                 let share = (fewer.evidence - alone) / (current.evidence - alone);
-                if share > CONSIDERABLE && !expanded.contains(&fewer.effects) {
+                let is_considerable = share > CONSIDERABLE;
+                if reach == Reach::Exchanges
+                    && is_considerable
+                    && !expanded.contains(&fewer.effects)
+                {
                     expanded.push(fewer.effects.clone());
                     add(problem, &fewer, known, progress);
                 }
