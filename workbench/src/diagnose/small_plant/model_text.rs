@@ -65,6 +65,9 @@ impl SmallModel {
                 if let Some(source) = &origin.source {
                     let _ = write!(text, ", source = {source:?}");
                 }
+                if let Some(status) = &origin.status {
+                    let _ = write!(text, ", status = {status:?}");
+                }
                 if let Some([low, high]) = origin.interval95 {
                     let _ = write!(text, ", interval95 = [{low:?}, {high:?}]");
                 }
