@@ -2,12 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use toml::Table;
-
 use super::coordinate::{DIRECTION, FRICTION, TIME, compile, quantities};
 use super::{Dimension, FileError, Kind, Parameter, Path};
 use crate::expression::{MOST_PARAMETERS, Program, check_name};
-use crate::parameter::{Entry, ModelFileError, Provenance, Range};
+use crate::parameter::{Entry, ModelFileError, Provenance, Range, SectionReader};
 
 const KEYS: [&str; 10] = [
     "name",
@@ -123,37 +121,13 @@ impl Number {
 /// # Errors
 /// The text is no such file.
 pub fn read(text: &str, file: &str) -> Result<Vec<Described>, FileError> {
-    let table: Table = text.parse().map_err(|error: toml::de::Error| {
-        let message = error.to_string().trim_end().to_owned();
-        FileError::Syntax {
-            file: file.to_owned(),
-            message,
-        }
-    })?;
-    let missing = || FileError::Missing {
-        file: file.to_owned(),
-        section: "effect".to_owned(),
-        key: "everything".to_owned(),
-        expected: "name, title, port, equation and parameters under [[effect]]".to_owned(),
-    };
-    if let Some(other) = table.keys().find(|key| *key != "effect") {
-        return Err(FileError::Unknown {
-            file: file.to_owned(),
-            what: format!("section [{other}] in a file of effects"),
-            known: "effect".to_owned(),
-        });
-    }
-    let list = table.get("effect").ok_or_else(missing)?;
-    read_list(Some(list), file)
+    let reader = SectionReader::new(text, file)?;
+    described(&reader.effects_alone()?)
 }
 
-/// The effects of the sections `[[effect]]` that `list` is.
-pub(super) fn read_list(
-    list: Option<&toml::Value>,
-    file: &str,
-) -> Result<Vec<Described>, FileError> {
-    let entries = Entry::effects(list, file)?;
-    let described = entries.iter().map(Described::of);
+/// The effects that these sections describe.
+pub(super) fn described(sections: &[Entry<'_>]) -> Result<Vec<Described>, FileError> {
+    let described = sections.iter().map(Described::of);
     Ok(described.collect::<Result<_, _>>()?)
 }
 

@@ -8,7 +8,7 @@ use thiserror::Error;
 use toml::Value;
 
 use super::dimension::plain;
-use super::effect::{Described, read, read_list};
+use super::effect::{Described, described, read};
 use super::{Kind, Parameter, Path};
 use crate::parameter::{Entry, ModelFileError, Provenance};
 
@@ -165,7 +165,7 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// One of them lacks something, or has too much.
     pub fn own_effects(&self) -> Result<Vec<Described>, FileError> {
-        read_list(self.table.get(OWN_EFFECTS), self.file)
+        described(&Entry::effects(self.table.get(OWN_EFFECTS), self.file)?)
     }
 
     /// Refuses a description of an effect whose name is taken.

@@ -162,6 +162,20 @@ impl<'a> SectionReader<'a> {
         Ok(())
     }
 
+    /// The sections `[[effect]]` of a file that has nothing else.
+    pub(crate) fn effects_alone(&self) -> Result<Vec<Entry<'_>>, ModelFileError> {
+        self.check_sections(&["effect"])?;
+        let effects = Entry::effects(self.table.get("effect"), self.file)?;
+        if effects.is_empty() {
+            return Err(ModelFileError::MissingSection {
+                file: self.file.to_owned(),
+                section: "[effect]".to_owned(),
+                keys: "name, title, port, equation and parameters".to_owned(),
+            });
+        }
+        Ok(effects)
+    }
+
     /// A function that gives the value of each of `infos` in a section; refuses keys beyond these
     /// and `others`.
     pub(crate) fn values(

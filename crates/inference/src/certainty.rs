@@ -22,6 +22,15 @@ const LEAST_FREEDOM: f64 = 3.0;
 /// Steps in which the numbers settle on a replica: more move them no further.
 const STEPS: usize = 2;
 
+/// Values and deviations of what is free in a fit.
+#[derive(Clone, Debug)]
+pub struct ReplayedEstimates {
+    /// The estimates.
+    pub estimates: Vec<Estimate>,
+    /// Whether replicas of the records had a say in the deviations; not where the fit cannot run through the records.
+    pub is_replayed: bool,
+}
+
 impl Fit {
     /// Values and standard deviations of all that is free; deviations are NaN where the windows say nothing of a number.
     ///
@@ -39,14 +48,21 @@ impl Fit {
     /// were made with (the parametric bootstrap: Efron and Tibshirani, An Introduction to the Bootstrap, 1993, section 6.5).
     ///
     /// Replicas know what no curvature tells: where friction fluctuates, a disc breaks away where it happens to be low, and all
-    /// torques come out smaller. `None` where the model cannot run through the records.
+    /// torques come out smaller.
     #[must_use]
-    pub fn estimates_beside_replicas(&self, problem: &Problem) -> Option<Vec<Estimate>> {
-        let own = self.covariance(&problem.long)?;
-        let scatter = self.scatter_of_replicas(problem)?;
+    pub fn replayed_estimates(&self, problem: &Problem) -> ReplayedEstimates {
+        let own = self.covariance(&problem.long);
+        let replayed = own.as_ref().zip(self.scatter_of_replicas(problem));
+        let is_replayed = replayed.is_some();
         let student = student(REPLICAS as f64) / SURELY;
-        let wider = |j: usize| (student * (scatter[(j, j)] / own[(j, j)]).sqrt()).max(1.0);
-        Some(self.estimates_with(Some(&scaled(&own, wider))))
+        let wider = replayed.map(|(own, scatter)| {
+            let factor = |j: usize| (student * (scatter[(j, j)] / own[(j, j)]).sqrt()).max(1.0);
+            scaled(own, factor)
+        });
+        ReplayedEstimates {
+            estimates: self.estimates_with(wider.as_ref().or(own.as_ref())),
+            is_replayed,
+        }
     }
 
     fn estimates_with(&self, covariance: Option<&DMatrix<f64>>) -> Vec<Estimate> {
@@ -54,7 +70,8 @@ impl Fit {
         hypothesis.estimates(|i, j| covariance.map_or(f64::NAN, |c| c[(i, j)]))
     }
 
-    /// Mean square by which the numbers of replicas miss, and what their priors leave open.
+    /// Mean square by which the numbers of replicas miss, and what their priors leave open; `None` where the model cannot run through
+    /// the records.
     fn scatter_of_replicas(&self, problem: &Problem) -> Option<DMatrix<f64>> {
         let precisions = self.hypothesis.prior_precisions();
         let x = DVector::from_column_slice(&self.hypothesis.x);

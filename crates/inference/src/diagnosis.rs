@@ -1,9 +1,9 @@
 //! From the sets that were searched to an answer: a table of three numbers, the posterior, the check and what moved.
 
+use crate::certainty::ReplayedEstimates;
 use crate::check::{Check, check};
 use crate::data::BLOCK;
 use crate::fit::Fit;
-use crate::hypothesis::Estimate;
 use crate::learned::{Learned, learn};
 use crate::policy::{NAMED, SURELY};
 use crate::problem::Problem;
@@ -66,9 +66,7 @@ pub struct Diagnosis {
     /// The best set's fit.
     pub best: Fit,
     /// Values and deviations of all that is free in the fit that the amended model is made of.
-    pub estimates: Vec<Estimate>,
-    /// Whether replicas of the records widened their intervals; not where that fit cannot run through the records.
-    pub is_replayed: bool,
+    pub numbers: ReplayedEstimates,
     /// Where the analyst's model leaves structure, strongest first.
     pub structure: Vec<Structure>,
     /// Where the best set does, strongest first.
@@ -133,16 +131,12 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
     };
     progress("what replicas of the records tell of the numbers");
     let amended = amended(verdict, &best.fit, &found.base.fit);
-    let replayed = amended.estimates_beside_replicas(problem);
-    let is_replayed = replayed.is_some();
-    let estimates = replayed.unwrap_or_else(|| amended.estimates(data));
     Diagnosis {
         verdict,
         effects: best.effects.clone(),
         probability,
         ranking,
-        estimates,
-        is_replayed,
+        numbers: amended.replayed_estimates(problem),
         base: found.base.fit.clone(),
         best: best.fit.clone(),
         structure,

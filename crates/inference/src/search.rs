@@ -38,13 +38,13 @@ pub struct Search {
     pub base: Candidate,
 }
 
-/// How far [`explore`] goes from a set.
+/// Beside which sets [`explore`] tries all further effects.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Reach {
-    /// Sets of one effect more, one less, or with one exchanged.
-    Exchanges,
-    /// Sets of one effect more or less: the exchanges were tried on a part of the windows.
-    Neighbours,
+    /// The best set alone: beside those of one effect less they were tried on a part of the windows.
+    Best,
+    /// The best set and those of one effect less.
+    Smaller,
 }
 
 /// Goes over sets of effects until no move gains, first on a part of the windows and from what that leads to on all of them;
@@ -55,8 +55,10 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
     let part = problem.part(PART_WINDOWS);
     let first = candidate(&part, fit_from(&part, part.hypothesis(), None, true));
     let mut known = vec![first.clone()];
+    let mut open = Reach::Smaller;
     if first.fit.calm(&part.long).misfit(&part.long) > WRONG {
-        explore(&part, &mut known, Reach::Exchanges, progress);
+        explore(&part, &mut known, Reach::Smaller, progress);
+        open = Reach::Best;
     }
     let mut whole: Vec<Candidate> = Vec::new();
     let rivals = known.iter().filter(|c| !c.effects.is_empty()).take(RIVALS);
@@ -75,7 +77,7 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
         );
         whole.push(candidate(problem, fit));
     }
-    explore(problem, &mut whole, Reach::Neighbours, progress);
+    explore(problem, &mut whole, open, progress);
     if !whole[0].fit.is_converged {
         let fit = whole[0].fit.clone().improved(&problem.long, 2 * STEPS);
         whole[0] = candidate(problem, fit);
@@ -120,16 +122,15 @@ fn explore(
         if current.effects.len() > 1 {
             for left_out in current.effects.clone() {
                 let fewer = remove(problem, &current, left_out, known, progress);
+                if reach == Reach::Best {
+                    continue;
+                }
                 let alone = known
                     .iter()
                     .find(|candidate| candidate.effects.is_empty())
                     .map_or(f64::NEG_INFINITY, |candidate| candidate.evidence);
                 let share = (fewer.evidence - alone) / (current.evidence - alone);
-                let is_considerable = share > CONSIDERABLE;
-                if reach == Reach::Exchanges
-                    && is_considerable
-                    && !expanded.contains(&fewer.effects)
-                {
+                if share > CONSIDERABLE && !expanded.contains(&fewer.effects) {
                     expanded.push(fewer.effects.clone());
                     add(problem, &fewer, known, progress);
                 }

@@ -26,8 +26,9 @@ fn rumble(value: impl Fn(f64) -> String) -> String {
     )
 }
 
-/// The effects of a file beside a few of the catalogue.
-fn supposed(text: &str) -> Catalogue {
+/// The effects of a file, if there is one, beside a few of the catalogue.
+fn supposed(file: Option<&str>) -> Catalogue {
+    let read = |text| Supposition::read_all(text, "effects").unwrap();
     let kept = ["unbalance", "viscous_drag", "normal_force_wobble"];
     let names = EFFECTS.iter().map(|effect| effect.name);
     Catalogue {
@@ -35,12 +36,12 @@ fn supposed(text: &str) -> Catalogue {
             .filter(|name| !kept.contains(name))
             .map(str::to_owned)
             .collect(),
-        supposed: Supposition::read_all(text, "effects").unwrap(),
+        supposed: file.map(read).unwrap_or_default(),
     }
 }
 
 /// What is found in a record of the believed rig with `effects`, where files describe `own` beside the catalogue.
-fn found(effects: &str, own: &str) -> Diagnosis {
+fn found(effects: &str, own: Option<&str>) -> Diagnosis {
     prepare_threads();
     let believed = Rig::from_toml(BELIEVED, "believed").unwrap();
     let truth = Rig::from_toml(&format!("{BELIEVED}\n{effects}"), "truth").unwrap();
@@ -66,14 +67,15 @@ fn found(effects: &str, own: &str) -> Diagnosis {
 fn an_effect_of_a_file_is_named_with_its_numbers_where_it_is_missing() {
     let found = found(
         &rumble(|value| format!("value = {value}, ")),
-        &rumble(|_| String::new()),
+        Some(&rumble(|_| String::new())),
     );
     assert_eq!(
         (found.verdict, found.effects),
         (Verdict::Named, vec!["rumble"])
     );
     for (name, truth) in [("rumble.torque", RUMBLE.0), ("rumble.phase", RUMBLE.1)] {
-        let estimate = found.estimates.iter().find(|e| e.name == name).unwrap();
+        let estimates = &found.numbers.estimates;
+        let estimate = estimates.iter().find(|e| e.name == name).unwrap();
         let off = (estimate.value - truth).abs();
         assert!(
             off < 3.0 * estimate.deviation && estimate.deviation < 0.05 * truth,
@@ -84,11 +86,11 @@ fn an_effect_of_a_file_is_named_with_its_numbers_where_it_is_missing() {
 
 #[test]
 fn an_effect_of_a_file_that_is_not_missing_is_not_named() {
-    let nothing = found("", &rumble(|_| String::new()));
+    let nothing = found("", Some(&rumble(|_| String::new())));
     assert_eq!(nothing.verdict, Verdict::NothingMissing);
     let drag = found(
         "[viscous_drag]\ncoefficient = 0.006\n",
-        &rumble(|_| String::new()),
+        Some(&rumble(|_| String::new())),
     );
     assert_eq!(
         (drag.verdict, drag.effects),
@@ -98,7 +100,7 @@ fn an_effect_of_a_file_that_is_not_missing_is_not_named() {
 
 #[test]
 fn without_the_file_its_shape_is_learned() {
-    let found = found(&rumble(|value| format!("value = {value}, ")), "");
+    let found = found(&rumble(|value| format!("value = {value}, ")), None);
     assert_eq!(found.verdict, Verdict::NotInCatalogue);
     let learned = found.learned.unwrap();
     assert_eq!(learned.family.port, Port::DiscTorque);
@@ -128,7 +130,7 @@ fn an_equation_that_no_value_switches_off_is_refused() {
         Vec::new(),
         &[record(&rig, 1)],
         &instruments(),
-        &supposed(&text),
+        &supposed(Some(&text)),
     );
     let message = problem.unwrap_err().to_string();
     assert!(

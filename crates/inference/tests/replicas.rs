@@ -95,7 +95,7 @@ fn fluctuating_friction_makes_numbers_less_certain_than_curvature_tells() {
         };
         [
             inertia(fit.estimates(&problem.long)),
-            inertia(fit.estimates_beside_replicas(&problem).unwrap()),
+            inertia(fit.replayed_estimates(&problem).estimates),
         ]
     };
     let [told, replayed] = deviations(0.04);

@@ -53,9 +53,8 @@ impl Supposition {
     /// [`ModelFileError`] with the place and what would be right.
     pub fn read_all(text: &str, file: &str) -> Result<Vec<Self>, ModelFileError> {
         let reader = SectionReader::new(text, file)?;
-        reader.check_sections(&["effect"])?;
         let mut all: Vec<Self> = Vec::new();
-        for entry in &Entry::effects(reader.table.get("effect"), file)? {
+        for entry in &reader.effects_alone()? {
             let supposition = Self::of(entry)?;
             let name = supposition.definition.name();
             if all.iter().any(|other| other.definition.name() == name) {

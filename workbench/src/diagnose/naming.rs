@@ -129,7 +129,7 @@ fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<
             .collect(),
         _ => Vec::new(),
     };
-    let (fit, estimates) = (found.amended(), &found.estimates);
+    let (fit, estimates) = (found.amended(), &found.numbers.estimates);
     let mut finding = from_fit(case, problem, verdict, &effects, fit, estimates)?;
     if verdict == VerdictName::Ambiguous {
         finding.alternatives = told(found).map(|rival| joined(&rival.effects)).collect();
@@ -143,7 +143,7 @@ fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<
         structure: finite(found.check.structure).unwrap_or_default(),
     });
     finding.notes.extend(fates(found));
-    if !found.is_replayed {
+    if !found.numbers.is_replayed {
         finding.notes.push(NOT_REPLAYED.to_owned());
     }
     Ok(finding)
@@ -274,22 +274,20 @@ pub fn forced_finding(
             (name.clone(), known.map_or(0.0, |effect| effect.probability))
         })
         .collect();
-    let replayed = forced.fit.estimates_beside_replicas(&problem);
-    let is_replayed = replayed.is_some();
-    let estimates = replayed.unwrap_or_else(|| forced.fit.estimates(&problem.long));
+    let numbers = forced.fit.replayed_estimates(&problem);
     let mut finding = from_fit(
         case,
         &problem,
         VerdictName::Named,
         &effects,
         &forced.fit,
-        &estimates,
+        &numbers.estimates,
     )?;
     finding.notes.push(format!(
         "the effects were given by --effect: {}",
         names.join(", ")
     ));
-    if !is_replayed {
+    if !numbers.is_replayed {
         finding.notes.push(NOT_REPLAYED.to_owned());
     }
     if let Some(earlier) = earlier {

@@ -51,6 +51,7 @@ fn a_suspect_that_is_what_is_missing_is_named_and_its_model_lacks_nothing() {
     }
     let amended = fs::read_to_string(place.file("out").join("model.amended.toml")).unwrap();
     assert!(amended.contains("name = \"slow_resonance\""), "{amended}");
+    assert!(amended.contains("status = \"fitted\""), "{amended}");
     let again = Place::new(&amended, &balance(bump, 73), &balance(bump, 74));
     let (found, text) = again.diagnosed(0);
     assert_eq!(found.finding.verdict, VerdictName::NothingMissing, "{text}");
@@ -156,6 +157,11 @@ fn files_that_cannot_be_used_are_refused_with_what_would_be_right() {
             "{ unit = \"rad\", range = [2, 1],",
             &["range", "lowest"],
         ),
+        (
+            "{ unit = \"rad\",",
+            "{ unit = \"rad\", status = \"guessed\",",
+            &["parameters.phase.status", "guessed", "assumed"],
+        ),
         ("title = \"a wheel with nine teeth\"", "", &["title"]),
         ("parameters.phase", "parameters.velocity", &["velocity"]),
         (
@@ -174,6 +180,14 @@ fn files_that_cannot_be_used_are_refused_with_what_would_be_right() {
             assert!(message.contains(word), "{to}: {word}: {message}");
         }
         assert!(!place.file("out").join("finding.json").exists());
+    }
+    for (text, word) in [("", "[[effect]]"), ("effect = 3", "[[effect]]")] {
+        let (code, message) = suspecting(BALANCE, bump, &[text]).run("diagnose", &[]);
+        assert_eq!(code, 2, "{text}: {message}");
+        assert!(
+            message.contains("own-0.toml") && message.contains(word),
+            "{text}: {message}"
+        );
     }
     let place = suspecting(BALANCE, bump, &[RIPPLE, RIPPLE]);
     let (code, message) = place.run("diagnose", &[]);
