@@ -1,8 +1,7 @@
 //! How certain the numbers of a fit are.
 
-use std::sync::Arc;
-
 use nalgebra::{Cholesky, DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::data::{BLOCK, Data};
 use crate::fit::Fit;
@@ -12,7 +11,7 @@ use crate::marginal::Reduced;
 use crate::policy::{REPLICAS, SURELY};
 use crate::problem::Problem;
 use crate::replica::replica;
-use crate::window::{Begin, Window};
+use crate::window::Window;
 
 /// Windows in a row that what the sensors' noise does not explain may pull the same way.
 const STRETCH: usize = 2 * BLOCK;
@@ -83,12 +82,13 @@ impl Fit {
         // A prior pulls numbers towards the analyst's, which is no error of theirs.
         let pulled = &inverse * &prior * &x;
         let mut scatter = &inverse * prior * &inverse;
-        for seed in 1..=REPLICAS {
-            let data = problem.windows_of(Arc::new(replica(problem, self, seed)?), Begin::Clear);
-            let hypothesis = self.hypothesis.clone();
-            let again = Fit::at(&data, hypothesis, data.anchors(), self.disturbance);
-            let found = again.improved(&data, STEPS).hypothesis.x;
-            let missed = DVector::from_vec(found) - &x + &pulled;
+        let found = |seed| {
+            let replica = replica(problem, self, seed)?;
+            Some(self.settled(problem, replica, STEPS).0.hypothesis.x)
+        };
+        let found: Option<Vec<Vec<f64>>> = (1..=REPLICAS).into_par_iter().map(found).collect();
+        for own in found? {
+            let missed = DVector::from_vec(own) - &x + &pulled;
             scatter += &missed * missed.transpose() / REPLICAS as f64;
         }
         Some(scatter)

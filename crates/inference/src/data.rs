@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use stickslip::plant::Rig;
 
-use crate::gram::{Gram, first_free, window_gram};
+use crate::gram::{Gram, Pieces, Seen, first_free, window_gram};
 use crate::hypothesis::Hypothesis;
 use crate::marginal::{Disturbance, Reduced, reduce};
 use crate::record::{CHANNELS, Run};
@@ -13,9 +13,9 @@ use crate::scales::Scales;
 use crate::window::{Begin, Cut, FINE_PIECE, PIECE, START_COMPONENTS, STARTS, Start, Window};
 
 /// Derivative slots for hypotheses of ordinary size.
-const FEW_SLOTS: usize = 21;
+const FEW_SLOTS: usize = 20;
 /// Derivative slots for the largest hypotheses.
-const MANY_SLOTS: usize = 33;
+const MANY_SLOTS: usize = 32;
 /// Most small pieces of a window.
 const MOST_FINE_PIECES: f64 = 50.0;
 /// Windows in a row that are one block: neighbours are not independent. What half of the blocks teach is judged on the other
@@ -25,7 +25,7 @@ pub(crate) const BLOCK: usize = 4;
 /// Most free numbers that a hypothesis on this rig may have.
 #[must_use]
 pub fn most_free(rig: &Rig<f64>) -> usize {
-    MANY_SLOTS - first_free(rig)
+    MANY_SLOTS - first_free(rig) - 1
 }
 
 /// The records and windows that fits work on.
@@ -39,8 +39,8 @@ pub struct Data {
     pub deviations: [f64; CHANNELS],
     /// Sizes of the records.
     pub scales: Scales,
-    /// Length of the pieces of a window in each of which a torque of its own may act beside the model's.
-    pub piece: f64,
+    /// How windows are divided, for torques of their own beside the model's.
+    pub pieces: Pieces,
 }
 
 impl Data {
@@ -65,17 +65,35 @@ impl Data {
             windows,
             deviations,
             scales,
-            piece: PIECE,
+            pieces: Pieces {
+                length: PIECE,
+                on_motor: false,
+            },
         }
     }
 
     /// The same windows in one piece each: much cheaper, where no torque is free beside the model's.
     #[must_use]
     pub fn undivided(self) -> Self {
-        Self {
-            piece: f64::INFINITY,
-            ..self
-        }
+        self.in_pieces(f64::INFINITY)
+    }
+
+    fn in_pieces(self, length: f64) -> Self {
+        let pieces = Pieces {
+            length,
+            ..self.pieces
+        };
+        Self { pieces, ..self }
+    }
+
+    /// The same windows, where a torque of its own may act on the motor, too.
+    #[must_use]
+    pub fn with_motor_torques(self) -> Self {
+        let pieces = Pieces {
+            on_motor: true,
+            ..self.pieces
+        };
+        Self { pieces, ..self }
     }
 
     /// The same windows in pieces so small that coordinates hardly change within one.
@@ -86,19 +104,13 @@ impl Data {
             samples * self.runs[window.run].interval()
         };
         let longest = self.windows.iter().map(length).fold(0.0, f64::max);
-        Self {
-            piece: FINE_PIECE.max(longest / MOST_FINE_PIECES),
-            ..self
-        }
+        self.in_pieces(FINE_PIECE.max(longest / MOST_FINE_PIECES))
     }
 
     /// The same windows in pieces.
     #[must_use]
     pub fn divided(self) -> Self {
-        Self {
-            piece: PIECE,
-            ..self
-        }
+        self.in_pieces(PIECE)
     }
 
     /// The starts of the windows as measured.
@@ -143,7 +155,9 @@ fn offset(start: &Start, window: &Window) -> [f64; STARTS] {
 /// Gram matrices of all windows under a hypothesis; `None` where the model cannot run.
 #[must_use]
 pub fn grams(data: &Data, hypothesis: &Hypothesis, starts: &[Start]) -> Vec<Option<Gram>> {
-    if hypothesis.dimension() + first_free(&hypothesis.rig) <= FEW_SLOTS {
+    let slots =
+        first_free(&hypothesis.rig) + hypothesis.dimension() + usize::from(data.pieces.on_motor);
+    if slots <= FEW_SLOTS {
         grams_with_slots::<FEW_SLOTS>(data, hypothesis, starts)
     } else {
         grams_with_slots::<MANY_SLOTS>(data, hypothesis, starts)
@@ -165,20 +179,13 @@ fn grams_with_slots<const N: usize>(
         .map_init(
             || None,
             |last, (window, start)| {
-                let run = &data.runs[window.run];
-                let scales = &data.scales;
-                window_gram(
-                    free,
-                    &rig,
-                    run,
-                    scales,
-                    window,
-                    start,
-                    &data.deviations,
-                    data.piece,
-                    last,
-                )
-                .ok()
+                let seen = Seen {
+                    run: &data.runs[window.run],
+                    scales: &data.scales,
+                    deviations: &data.deviations,
+                    pieces: data.pieces,
+                };
+                window_gram(free, &rig, &seen, window, start, last).ok()
             },
         )
         .collect()

@@ -6,8 +6,11 @@ use crate::gram::Gram;
 use crate::hypothesis::Hypothesis;
 use crate::loss;
 use crate::marginal::{Disturbance, Reduced};
-use crate::window::Start;
+use crate::problem::Problem;
+use crate::record::Run;
+use crate::window::{Begin, Start};
 use nalgebra::{Cholesky, DMatrix, DVector};
+use std::sync::Arc;
 
 /// Steps of a fit to all windows.
 pub(crate) const STEPS: usize = 20;
@@ -77,6 +80,51 @@ impl Fit {
             disturbance,
             is_converged: false,
         }
+    }
+
+    /// The fit of a hypothesis that has only these of the free numbers, in their order.
+    #[must_use]
+    pub fn narrowed(&self, data: &Data, hypothesis: Hypothesis, numbers: Vec<usize>) -> Self {
+        let narrowed = |gram: &Gram| gram.narrowed(&numbers);
+        let grams: Vec<Option<Gram>> = self
+            .grams
+            .iter()
+            .map(|gram| gram.as_ref().map(narrowed))
+            .collect();
+        let forms = reduced(data, &self.starts, &grams, &self.disturbance);
+        Self {
+            loss: loss::total(&forms, &hypothesis),
+            hypothesis,
+            starts: self.starts.clone(),
+            grams,
+            disturbance: self.disturbance,
+            is_converged: false,
+        }
+    }
+
+    /// The fit settled on a replica of its records, and the windows of that: in pieces only where friction fluctuates there.
+    #[must_use]
+    pub fn settled(&self, problem: &Problem, replica: Vec<Run>, steps: usize) -> (Self, Data) {
+        let data = problem.windows_of(Arc::new(replica), Begin::Clear);
+        let data = if self.disturbance == Disturbance::NONE {
+            data.undivided()
+        } else {
+            data
+        };
+        let begun = Self::at(
+            &data,
+            self.hypothesis.clone(),
+            data.anchors(),
+            self.disturbance,
+        );
+        (begun.improved_alike(&data, steps), data)
+    }
+
+    /// The fit after at most `steps` further steps, in which friction fluctuates only if it did before.
+    #[must_use]
+    pub fn improved_alike(self, data: &Data, steps: usize) -> Self {
+        let fluctuates = self.disturbance != Disturbance::NONE;
+        self.stepped(data, steps, fluctuates)
     }
 
     /// The fit after at most `steps` further steps.
@@ -327,12 +375,7 @@ pub(crate) fn rescue(
     fit: &mut Fit,
     forms: &mut [Option<Reduced>],
 ) {
-    let worse: Vec<usize> = (0..forms.len())
-        .filter(|&j| {
-            loss::of_window(&forms[j]) > loss::of_window(&before[j]) + SUSPECT
-                && fit.starts[j] != fallback[j]
-        })
-        .collect();
+    let worse = worse(before, fallback, fit, forms);
     if worse.is_empty() {
         return;
     }
@@ -350,6 +393,21 @@ pub(crate) fn rescue(
             (fit.starts[j], fit.grams[j], forms[j]) = (start, gram, form);
         }
     }
+}
+
+/// The windows that are clearly worse than in `others`, where they start otherwise.
+pub(crate) fn worse(
+    others: &[Option<Reduced>],
+    starts: &[Start],
+    fit: &Fit,
+    forms: &[Option<Reduced>],
+) -> Vec<usize> {
+    (0..forms.len())
+        .filter(|&j| {
+            loss::of_window(&forms[j]) > loss::of_window(&others[j]) + SUSPECT
+                && fit.starts[j] != starts[j]
+        })
+        .collect()
 }
 
 /// The step that the quadratic forms suggest within the numbers' ranges, shortened to what one step may change: numbers that would

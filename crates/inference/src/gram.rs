@@ -1,30 +1,50 @@
 //! One window under one hypothesis: residuals and their derivatives, condensed to a Gram matrix.
 
+mod sums;
+
+use self::sums::{Slots, Sums};
 use crate::bristle_start::deflect_bristles;
 use crate::record::{CHANNELS, Run, channel};
 use crate::scales::Scales;
-use crate::window::{START_COMPONENTS, STARTS, Start, Window, starts_of};
+use crate::window::{START_COMPONENTS, Start, Window, starts_of};
 use nalgebra::DMatrix;
 use stickslip::friction::{ContactMode, Regime, acceleration_angle};
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Contact, Rig, RigInputs, RigState, STATES, index};
 use stickslip::series::{Dual, Scalar, evaluate};
 
-/// Slots before the free numbers of a rig: start components and two disturbance torques.
+/// Slots before the free numbers of a rig: start components and the torque on the disc. One on the motor has the slot behind them.
 #[must_use]
 pub fn first_free<S: Scalar>(rig: &Rig<S>) -> usize {
-    starts_of(rig) + 2
+    starts_of(rig) + 1
 }
 /// Order of the Taylor polynomials of the motion.
 const ORDER: usize = 14;
 /// Most steps between two samples. A step of order 14 spans about two radians of the fastest oscillation, so that these are
 /// hundreds of its periods, of which the samples would tell nothing: only trials that run away come here.
 const MOST_SEGMENTS: u64 = 1000;
-/// Most columns of a Gram matrix: two for each of the small pieces, of which rounding to whole samples can make half as many again,
-/// and those of start, free numbers and residual.
-const MOST_COLUMNS: usize = 192;
 
-type Chain = [[f64; MOST_COLUMNS]; STARTS];
+/// How windows are divided, for torques of their own beside the model's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pieces {
+    /// Length of the pieces in each of which such a torque is held, before it is rounded to whole samples.
+    pub length: f64,
+    /// Whether one acts on the gearbox output, too, beside the one on the disc.
+    pub on_motor: bool,
+}
+
+/// What a window is compared with.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// The record that the window is of.
+    pub run: &'a Run,
+    /// Sizes of the records.
+    pub scales: &'a Scales,
+    /// Standard deviations of the channels.
+    pub deviations: &'a [f64; CHANNELS],
+    /// How the window is divided.
+    pub pieces: Pieces,
+}
 
 /// Where the motion is in one piece of a window: the coordinates against which a residual torque
 /// may be structured.
@@ -59,14 +79,14 @@ pub struct Place {
 /// Sums of products of the whitened residuals and derivatives of one window.
 #[derive(Clone, Debug)]
 pub struct Gram {
-    /// Columns: start components, disc disturbances, motor disturbances, free numbers, residual.
+    /// Columns: start components, torques on the disc, those on the motor where there are any, free numbers, residual.
     pub products: DMatrix<f64>,
     /// Number of start components.
     pub starts: usize,
-    /// Number of disturbance pieces.
+    /// Number of pieces.
     pub pieces: usize,
-    /// Length of a piece, before it is rounded to whole samples.
-    pub piece_length: f64,
+    /// How the window was divided into them.
+    pub divided: Pieces,
     /// Number of residuals.
     pub residuals: usize,
     /// The middle of each piece.
@@ -74,66 +94,73 @@ pub struct Gram {
 }
 
 impl Gram {
-    /// Column of the first disc disturbance.
+    /// Column of the first torque on the disc.
     pub fn disc(&self) -> usize {
         self.starts
     }
 
-    /// Column of the first motor disturbance.
-    pub fn motor(&self) -> usize {
-        self.disc() + self.pieces
+    /// Column of the first torque on the motor, where there are any.
+    pub fn motor(&self) -> Option<usize> {
+        self.divided.on_motor.then_some(self.starts + self.pieces)
     }
 
     /// Column of the first free number.
     pub fn free(&self) -> usize {
-        self.disc() + 2 * self.pieces
+        self.motor().unwrap_or(self.starts) + self.pieces
     }
 
     /// Column of the residual.
     pub fn residual(&self) -> usize {
         self.products.ncols() - 1
     }
+
+    /// The Gram matrix with only these of the free numbers.
+    #[must_use]
+    pub fn narrowed(&self, numbers: &[usize]) -> Self {
+        let kept: Vec<usize> = (0..self.free())
+            .chain(numbers.iter().map(|number| self.free() + number))
+            .chain([self.residual()])
+            .collect();
+        Self {
+            products: DMatrix::from_fn(kept.len(), kept.len(), |i, j| {
+                self.products[(kept[i], kept[j])]
+            }),
+            places: self.places.clone(),
+            ..*self
+        }
+    }
 }
 
 /// The run of the last window, on whose memory the next one is run.
 pub type LastRun<const N: usize> = Box<Simulation<Dual<N>, Rig<Dual<N>>>>;
 
-/// Runs the model, which has `free` free numbers, through `window` from `start`.
-///
-/// `whitening` holds the standard deviations of the channels; a torque of its own acts on disc and motor in each piece of
-/// `piece_length`. `last` may hold a run of the same model through another window,
-/// which does not change the result.
-#[allow(clippy::too_many_arguments)]
+/// Runs the model, which has `free` free numbers, through `window` from `start`. `last` may hold a run of the same model through
+/// another window, which does not change the result.
 pub fn window_gram<const N: usize>(
     free: usize,
     rig: &Rig<Dual<N>>,
-    run: &Run,
-    scales: &Scales,
+    seen: &Seen<'_>,
     window: &Window,
     start: &Start,
-    whitening: &[f64; CHANNELS],
-    piece_length: f64,
     last: &mut Option<LastRun<N>>,
 ) -> Result<Gram, IntegrationError> {
+    let run = seen.run;
     let samples = window.last - window.first;
-    let per_piece = ((piece_length / run.interval()).round() as usize).clamp(1, samples.max(1));
+    let per_piece =
+        ((seen.pieces.length / run.interval()).round() as usize).clamp(1, samples.max(1));
     let pieces = samples.div_ceil(per_piece);
-    let starts = starts_of(rig);
     let is_full = rig.outer.is_some();
-    let columns = starts + 2 * pieces + free + 1;
-    let mut products = DMatrix::zeros(columns, columns);
-    // Derivatives of the present piece's start with respect to all columns but the residual's.
-    let mut chain = [[0.0; MOST_COLUMNS]; STARTS];
-    for (j, row) in chain.iter_mut().enumerate() {
-        row[j] = 1.0;
-    }
+    let slots = Slots {
+        starts: starts_of(rig),
+        free,
+        on_motor: seen.pieces.on_motor,
+    };
+    let mut sums = Sums::new(slots, pieces);
     let delay = rig.effects.sensor_delay.map_or(Dual::ZERO, |d| d.delay);
     let torque = |piece: usize| start.torques.get(piece).copied().unwrap_or(0.0);
-    let mut simulation = started(rig, run, window, start, last.take())?;
+    let mut simulation = started(rig, run, window, start, slots, last.take())?;
     start_on_measured_branch(&mut simulation, &window.accelerations)?;
     let mut places = Vec::with_capacity(pieces);
-    let mut row = vec![0.0; columns];
-    let mut residuals = 0;
     let mut next_disc = window.first;
     for piece in 0..pieces {
         let from = window.first + piece * per_piece;
@@ -141,34 +168,16 @@ pub fn window_gram<const N: usize>(
         let is_last = piece + 1 == pieces;
         let mut sliding = true;
         for sample in from..to {
-            if sample > from {
-                let new = inputs(run, sample, starts, torque(piece));
-                let old = simulation.inputs();
-                if new.voltage[0].value != old.voltage[0].value
-                    || new.normal_force[0].value != old.normal_force[0].value
-                    || new.normal_force_1[0].value != old.normal_force_1[0].value
-                {
-                    simulation.set_inputs(run.time[sample], new)?;
-                }
+            if sample > from && is_changed(run, sample) {
+                let new = inputs(run, sample, slots, torque(piece));
+                simulation.set_inputs(run.time[sample], new)?;
             }
             let (begin, end) = (run.time[sample], run.time[sample + 1]);
             let mut emit = |sample: usize, channel: usize, value: Dual<N>| {
-                let weight = 1.0 / whitening[channel];
-                if !run.has(channel) {
-                    return;
+                if run.has(channel) {
+                    let weight = 1.0 / seen.deviations[channel];
+                    sums.add(&value, run.readings[channel][sample], weight);
                 }
-                local_row(
-                    &value,
-                    weight,
-                    piece,
-                    pieces,
-                    free,
-                    &chain[..starts],
-                    &mut row,
-                );
-                row[columns - 1] = (run.readings[channel][sample] - value.value) * weight;
-                accumulate(&row, &mut products);
-                residuals += 1;
             };
             // The channels of D2 show what was `delay` earlier, all others are read at the sample.
             if sample > window.first || piece == 0 {
@@ -210,37 +219,43 @@ pub fn window_gram<const N: usize>(
                 }
             }
             if sample == from + (to - from) / 2 {
-                places.push(place(scales, &simulation, run, sample, end));
+                places.push(place(seen.scales, &simulation, run, sample, end));
             }
         }
         if let Some(place) = places.last_mut() {
             place.sliding = sliding;
         }
+        sums.close(piece);
         if !is_last {
             let end = simulation.state_at(run.time[to]);
-            advance_chain(&end, piece, pieces, free, &mut chain[..starts]);
-            let next = inputs(run, to, starts, torque(piece + 1));
+            sums.advance(&end, piece);
+            let next = inputs(run, to, slots, torque(piece + 1));
             simulation.continue_from(run.time[to], next, |state| {
                 *state = end.map(|value| Dual::constant(value.value));
-                seed(state, starts);
+                seed(state, slots.starts);
             })?;
         }
     }
-    for i in 0..columns {
-        for j in 0..i {
-            products[(i, j)] = products[(j, i)];
-        }
-    }
     *last = Some(simulation);
-    without_torques(&mut products, starts, &start.torques);
+    let residuals = sums.residuals;
+    let mut products = sums.symmetric();
+    without_torques(&mut products, slots.starts, &start.torques);
     Ok(Gram {
         products,
-        starts,
+        starts: slots.starts,
         pieces,
-        piece_length,
+        divided: seen.pieces,
         residuals,
         places,
     })
+}
+
+/// Whether other inputs hold from a sample on than before it.
+fn is_changed(run: &Run, sample: usize) -> bool {
+    let changes = |values: &[f64]| values[sample] != values[sample - 1];
+    changes(&run.voltage)
+        || changes(&run.normal_force)
+        || !run.normal_force_1.is_empty() && changes(&run.normal_force_1)
 }
 
 /// Tells the residuals as they would be without the torques under which the window ran, so that quadratic forms are in the
@@ -271,14 +286,15 @@ fn started<const N: usize>(
     run: &Run,
     window: &Window,
     start: &Start,
+    slots: Slots,
     last: Option<LastRun<N>>,
 ) -> Result<Box<Simulation<Dual<N>, Rig<Dual<N>>>>, IntegrationError> {
     let mut state: RigState<Dual<N>> = start.state.map(Dual::constant);
-    seed(&mut state, starts_of(rig));
+    seed(&mut state, slots.starts);
     deflect_bristles(rig, &mut state);
     let time = run.time[window.first];
     let torque = start.torques.first().copied().unwrap_or(0.0);
-    let inputs = inputs(run, window.first, starts_of(rig), torque);
+    let inputs = inputs(run, window.first, slots, torque);
     match last {
         Some(mut simulation) => {
             simulation.start_over(time, state, inputs)?;
@@ -358,7 +374,7 @@ fn disc_reading<const N: usize>(
 fn inputs<const N: usize>(
     run: &Run,
     sample: usize,
-    starts: usize,
+    slots: Slots,
     torque: f64,
 ) -> RigInputs<Dual<N>> {
     let force_1 = run.normal_force_1.get(sample).copied();
@@ -367,67 +383,16 @@ fn inputs<const N: usize>(
         Dual::constant(run.normal_force[sample]),
         Dual::constant(force_1.unwrap_or_default()),
     );
-    inputs.disc_torque = Dual::variable(torque, starts);
-    inputs.motor_torque = Dual::variable(0.0, starts + 1);
+    inputs.disc_torque = Dual::variable(torque, slots.starts);
+    if slots.on_motor {
+        inputs.motor_torque = Dual::variable(0.0, slots.starts + 1 + slots.free);
+    }
     inputs
 }
 
 fn seed<const N: usize>(state: &mut [Dual<N>; STATES], starts: usize) {
     for (slot, component) in START_COMPONENTS.into_iter().take(starts).enumerate() {
         state[component] = Dual::variable(state[component].value, slot);
-    }
-}
-
-/// The derivatives of `value` with respect to all columns, times `weight`.
-fn local_row<const N: usize>(
-    value: &Dual<N>,
-    weight: f64,
-    piece: usize,
-    pieces: usize,
-    free: usize,
-    chain: &[[f64; MOST_COLUMNS]],
-    row: &mut [f64],
-) {
-    let starts = chain.len();
-    let columns = starts + 2 * pieces + free;
-    row[..columns].fill(0.0);
-    for (slot, chain_row) in chain.iter().enumerate() {
-        let d = value.derivative[slot] * weight;
-        if d != 0.0 {
-            for (r, c) in row[..columns].iter_mut().zip(chain_row) {
-                *r += d * c;
-            }
-        }
-    }
-    row[starts + piece] += value.derivative[starts] * weight;
-    row[starts + pieces + piece] += value.derivative[starts + 1] * weight;
-    for j in 0..free {
-        row[starts + 2 * pieces + j] += value.derivative[starts + 2 + j] * weight;
-    }
-}
-
-fn advance_chain<const N: usize>(
-    end: &RigState<Dual<N>>,
-    piece: usize,
-    pieces: usize,
-    free: usize,
-    chain: &mut [[f64; MOST_COLUMNS]],
-) {
-    let mut next: Chain = [[0.0; MOST_COLUMNS]; STARTS];
-    for (row, component) in next[..chain.len()].iter_mut().zip(START_COMPONENTS) {
-        local_row(&end[component], 1.0, piece, pieces, free, chain, row);
-    }
-    chain.copy_from_slice(&next[..chain.len()]);
-}
-
-fn accumulate(row: &[f64], products: &mut DMatrix<f64>) {
-    for (j, &b) in row.iter().enumerate() {
-        if b != 0.0 {
-            let column = &mut products.column_mut(j);
-            for (i, &a) in row[..=j].iter().enumerate() {
-                column[i] += a * b;
-            }
-        }
     }
 }
 

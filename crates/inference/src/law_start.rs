@@ -11,10 +11,11 @@ use crate::marginal::Disturbance;
 use crate::record::{Run, channel};
 use crate::scales::Scales;
 use crate::trace::{Motion, Traces};
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
-use stickslip::friction::acceleration_angle;
+use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
+use rayon::prelude::*;
 use stickslip::integrator::{HybridSystem, Options, Simulation};
 use stickslip::plant::{RigInputs, STATES, index};
+use stickslip::series::{Dual, Scalar};
 
 /// Most points of a scatter that a search goes over.
 const MOST_POINTS: usize = 500;
@@ -229,39 +230,10 @@ fn following(points: &[Point], scales: &Scales) -> Vec<[f64; 8]> {
         return Vec::new();
     }
     let mut coarse: Vec<(f64, [f64; 8])> = Vec::new();
-    let peaks = [-3.1, -2.2, -1.3, -0.4, 0.5, 1.4, 2.3, 3.1];
     for centre in [0.3, 0.5, 0.7, 0.9] {
         for semi_axis in [0.4, 0.8, 1.6] {
-            let (centre, semi_axis) = (centre * scales.speed, semi_axis * scales.acceleration);
-            let angles: Vec<f64> = points
-                .iter()
-                .map(|p| acceleration_angle(p.speed, p.acceleration, centre, semi_axis))
-                .collect();
-            for (c1, c2) in [(0.7, 0.7), (1.3, 1.3), (1.3, 2.6), (2.6, 1.3)] {
-                for (j, &b1) in peaks.iter().enumerate() {
-                    for &b2 in &peaks[j + 1..] {
-                        let mut at = angles.iter();
-                        let mut moments = Matrix2::<f64>::zeros();
-                        let mut right = Vector2::<f64>::zeros();
-                        let mut square = 0.0;
-                        for p in points {
-                            let alpha = at.next().copied().unwrap_or(0.0);
-                            let row = Vector2::new(bell(alpha, b1, c1), bell(alpha, b2, c2));
-                            moments += p.weight * row * row.transpose();
-                            right += p.weight * p.coefficient * row;
-                            square += p.weight * p.coefficient * p.coefficient;
-                        }
-                        let ridge = Matrix2::identity() * (1e-6 * moments.trace());
-                        let Some(cholesky) = (moments + ridge).cholesky() else {
-                            continue;
-                        };
-                        let heights = cholesky.solve(&right);
-                        let left = square - right.dot(&heights);
-                        let numbers = [heights[0], b1, c1, heights[1], b2, c2, centre, semi_axis];
-                        coarse.push((left, numbers));
-                    }
-                }
-            }
+            let ellipse = (centre * scales.speed, semi_axis * scales.acceleration);
+            coarse.extend(on_ellipse(points, ellipse));
         }
     }
     coarse.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -279,7 +251,7 @@ fn following(points: &[Point], scales: &Scales) -> Vec<[f64; 8]> {
         }
     }
     let mut refined: Vec<(f64, [f64; 8])> = followed
-        .into_iter()
+        .into_par_iter()
         .map(|(_, numbers)| least_squares(points, numbers, scales))
         .collect();
     refined.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -297,6 +269,56 @@ fn following(points: &[Point], scales: &Scales) -> Vec<[f64; 8]> {
     kept
 }
 
+/// Sets of peaks and widths over the angle on an ellipse, with the heights that are best for each, and what they leave.
+fn on_ellipse(points: &[Point], (centre, semi_axis): (f64, f64)) -> Vec<(f64, [f64; 8])> {
+    const PEAKS: [f64; 8] = [-3.1, -2.2, -1.3, -0.4, 0.5, 1.4, 2.3, 3.1];
+    const WIDTHS: [f64; 3] = [0.7, 1.3, 2.6];
+    let bells = DMatrix::from_row_iterator(
+        points.len(),
+        PEAKS.len() * WIDTHS.len(),
+        points.iter().flat_map(|p| {
+            let alpha = angle(p, centre, semi_axis);
+            let weighted = move |width: f64, peak: f64| p.weight.sqrt() * bell(alpha, peak, width);
+            WIDTHS
+                .into_iter()
+                .flat_map(move |width| PEAKS.map(|peak| weighted(width, peak)))
+        }),
+    );
+    let levels = DVector::from_iterator(
+        points.len(),
+        points.iter().map(|p| p.weight.sqrt() * p.coefficient),
+    );
+    let (products, pulls) = (bells.tr_mul(&bells), bells.tr_mul(&levels));
+    let square = levels.norm_squared();
+    let mut found = Vec::new();
+    for (first, second) in [(0, 0), (1, 1), (1, 2), (2, 1)] {
+        for b1 in 0..PEAKS.len() {
+            for b2 in b1 + 1..PEAKS.len() {
+                let own = [first * PEAKS.len() + b1, second * PEAKS.len() + b2];
+                let moments = Matrix2::from_fn(|i, j| products[(own[i], own[j])]);
+                let right = Vector2::from_fn(|i, _| pulls[own[i]]);
+                let ridge = Matrix2::identity() * (1e-6 * moments.trace());
+                let Some(cholesky) = (moments + ridge).cholesky() else {
+                    continue;
+                };
+                let heights = cholesky.solve(&right);
+                let numbers = [
+                    heights[0],
+                    PEAKS[b1],
+                    WIDTHS[first],
+                    heights[1],
+                    PEAKS[b2],
+                    WIDTHS[second],
+                    centre,
+                    semi_axis,
+                ];
+                found.push((square - right.dot(&heights), numbers));
+            }
+        }
+    }
+    found
+}
+
 /// How much each of the eight numbers may well change.
 fn sizes(scales: &Scales) -> [f64; 8] {
     let coefficient = scales.coefficient;
@@ -312,15 +334,20 @@ fn sizes(scales: &Scales) -> [f64; 8] {
     ]
 }
 
-fn bell(alpha: f64, peak: f64, width: f64) -> f64 {
-    let z = (alpha - peak) / width;
-    (-z * z).exp()
+fn angle<S: Scalar>(p: &Point, centre: S, semi_axis: S) -> S {
+    let along = S::constant(p.acceleration) / semi_axis;
+    along.atan2((S::constant(p.speed) - centre) / centre)
 }
 
-fn level(numbers: &[f64; 8], p: &Point) -> f64 {
-    let alpha = acceleration_angle(p.speed, p.acceleration, numbers[6], numbers[7]);
-    numbers[0] * bell(alpha, numbers[1], numbers[2])
-        + numbers[3] * bell(alpha, numbers[4], numbers[5])
+fn bell<S: Scalar>(alpha: S, peak: S, width: S) -> S {
+    let z = (alpha - peak) / width;
+    (-(z * z)).exp()
+}
+
+fn level<S: Scalar>(numbers: &[S; 8], p: &Point) -> S {
+    let &[a1, b1, c1, a2, b2, c2, centre, semi_axis] = numbers;
+    let alpha = angle(p, centre, semi_axis);
+    a1 * bell(alpha, b1, c1) + a2 * bell(alpha, b2, c2)
 }
 
 /// The median of the weighted squares of what a set of numbers leaves.
@@ -353,15 +380,11 @@ fn least_squares(points: &[Point], start: [f64; 8], scales: &Scales) -> (f64, [f
     for _ in 0..STEPS {
         let mut curvature = SMatrix::<f64, 8, 8>::zeros();
         let mut gradient = SVector::<f64, 8>::zeros();
+        let free: [Dual<8>; 8] = std::array::from_fn(|j| Dual::variable(numbers[j], j));
         for p in points {
-            let here = level(&numbers, p);
-            let mut row = SVector::<f64, 8>::zeros();
-            for j in 0..8 {
-                let mut moved = numbers;
-                moved[j] += 1e-5 * sizes[j];
-                row[j] = (level(&moved, p) - here) / 1e-5;
-            }
-            let off = p.coefficient - here;
+            let here = level(&free, p);
+            let row = SVector::<f64, 8>::from_fn(|j, _| here.derivative[j] * sizes[j]);
+            let off = p.coefficient - here.value;
             let weight = p.weight / (1.0 + p.weight * off * off / spread);
             curvature += weight * row * row.transpose();
             gradient += weight * off * row;

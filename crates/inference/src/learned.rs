@@ -54,7 +54,7 @@ pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> O
     progress("what a free function explains");
     let long = &problem.long;
     // Fluctuating friction stands in for what is missing: the function is learned as if there were none.
-    let data = long.clone().finely_divided();
+    let data = long.clone().finely_divided().with_motor_torques();
     let hypothesis = base.hypothesis.clone();
     let starts = without_torques(&base.starts);
     let base = Fit::at(&data, hypothesis, starts, Disturbance::NONE).improved_calmly(&data, CLOSER);

@@ -78,9 +78,9 @@ pub fn reduce(
         }
     }
     first_of_block.push(active.len());
-    if disturbance.motor > 0.0 {
+    if let Some(motor) = gram.motor().filter(|_| disturbance.motor > 0.0) {
         for j in 0..gram.pieces {
-            active.push(gram.motor() + j);
+            active.push(motor + j);
             scales.push(disturbance.motor);
         }
     }
@@ -93,7 +93,7 @@ pub fn reduce(
         precision[(j, j)] = p;
         log_prior += p.ln();
     }
-    let rho = (-gram.piece_length / disturbance.correlation_time).exp();
+    let rho = (-gram.divided.length / disturbance.correlation_time).exp();
     for block in first_of_block.windows(2) {
         let (from, to) = (block[0], block[1]);
         for j in from..to {
@@ -160,7 +160,7 @@ pub fn reduce(
         active,
         scales,
         starts,
-        disc: (gram.disc(), gram.motor()),
+        disc: (gram.disc(), gram.disc() + gram.pieces),
     })
 }
 

@@ -3,8 +3,6 @@
 //! What a right model leaves of such records nobody has to explain: noise, an error of each level of the load, friction that
 //! fluctuates and throws windows from one branch of a law to the other.
 
-use std::sync::Arc;
-
 use crate::fit::Fit;
 use crate::marginal::Disturbance;
 use crate::problem::Problem;
@@ -12,7 +10,6 @@ use crate::random::Random;
 use crate::record::{CHANNELS, Run, channel};
 use crate::structure::{Structure, structures};
 use crate::trace::{Traces, traces};
-use crate::window::Begin;
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, index};
 
@@ -33,12 +30,8 @@ const READ: [usize; CHANNELS] = [
 /// records.
 #[must_use]
 pub fn left_of_replica(problem: &Problem, fit: &Fit, seed: u64) -> Option<Vec<Structure>> {
-    let runs = replica(problem, fit, seed)?;
-    let data = problem.windows_of(Arc::new(runs), Begin::Clear);
-    let hypothesis = fit.hypothesis.clone();
-    let refitted =
-        Fit::at(&data, hypothesis, data.anchors(), fit.disturbance).improved(&data, STEPS);
-    Some(structures(&data, &refitted))
+    let (refitted, data) = fit.settled(problem, replica(problem, fit, seed)?, STEPS);
+    Some(structures(&data.divided(), &refitted))
 }
 
 /// Replica number `seed` of the records, from the first window of each on; `None` where the model cannot run through them.

@@ -5,15 +5,15 @@ mod doubt;
 mod looks;
 
 pub use self::candidate::Candidate;
-use self::candidate::candidate;
+use self::candidate::{candidate, with_prior};
 use self::looks::{followed, looks, swapped};
 use crate::effects::Effect;
-use crate::fit::{Fit, STEPS, rescue};
+use crate::fit::{Fit, STEPS, rescue, worse};
 use crate::hypothesis::Hypothesis;
 use crate::law_start::Scatter;
 use crate::loss;
 use crate::marginal::Disturbance;
-use crate::policy::{LN_PRIOR_ODDS, MOST_EFFECTS, WRONG};
+use crate::policy::{MOST_EFFECTS, WRONG};
 use crate::problem::Problem;
 
 /// Steps of a fit to short windows.
@@ -60,23 +60,16 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
         explore(&part, &mut known, Reach::Smaller, progress);
         open = Reach::Best;
     }
-    let mut whole: Vec<Candidate> = Vec::new();
     let rivals = known.iter().filter(|c| !c.effects.is_empty()).take(RIVALS);
     let nothing = known.iter().find(|c| c.effects.is_empty());
-    for on_part in rivals.chain(nothing) {
-        let leading = whole
-            .iter()
-            .map(Candidate::score)
-            .fold(f64::NEG_INFINITY, f64::max);
-        progress(&named(&on_part.effects));
-        let begun = begun(problem, on_part.fit.hypothesis.clone(), None);
-        let fit = raced(
-            problem,
-            begun,
-            leading - LN_PRIOR_ODDS * on_part.effects.len() as f64,
-        );
-        whole.push(candidate(problem, fit));
-    }
+    let fits = rivals
+        .chain(nothing)
+        .map(|on_part| begun(problem, on_part.fit.hypothesis.clone(), None))
+        .collect();
+    let mut whole: Vec<Candidate> = race(problem, fits, f64::NEG_INFINITY, progress)
+        .into_iter()
+        .map(|fit| candidate(problem, fit))
+        .collect();
     explore(problem, &mut whole, open, progress);
     if !whole[0].fit.is_converged {
         let fit = whole[0].fit.clone().improved(&problem.long, 2 * STEPS);
@@ -208,10 +201,13 @@ pub fn fit_effects(
         progress(effect.name);
         let looks = looks(problem, &current, &[effect], &mut |_| {});
         let first = looks.first().map(|look| look.fit.hypothesis.clone());
-        let fits = followed(problem, &current, looks, progress);
-        let best = fits
+        let fits = followed(problem, &current, looks, progress)
             .into_iter()
-            .map(|look| candidate(problem, look.fit))
+            .map(|hypothesis| begun(problem, hypothesis, Some(&current.fit)))
+            .collect();
+        let best = race(problem, fits, current.odds(), progress)
+            .into_iter()
+            .map(|fit| candidate(problem, fit))
             .max_by(|a, b| a.evidence.total_cmp(&b.evidence));
         // What promises nothing is not followed in a search; here it is fitted all the same.
         current = match best {
@@ -255,20 +251,47 @@ fn begun(problem: &Problem, hypothesis: Hypothesis, from: Option<&Fit>) -> Fit {
     }
 }
 
-/// The fit after further steps, as long as it can catch up with the evidence `best` of another.
-fn raced(problem: &Problem, fit: Fit, best: f64) -> Fit {
-    let mut fit = fit;
-    let mut before = fit.evidence(&problem.long);
+/// A fit that goes on as long as it can catch up with the best.
+struct Runner {
+    fit: Fit,
+    odds: f64,
+    gained: f64,
+    is_open: bool,
+}
+
+/// The fits after further steps, a few of each in turn, as long as each can catch up with the best of them and with `least` in
+/// log odds ([`Candidate::odds`]).
+fn race(problem: &Problem, fits: Vec<Fit>, least: f64, progress: &mut dyn FnMut(&str)) -> Vec<Fit> {
+    let odds = |fit: &Fit| {
+        let effects = fit.hypothesis.effects.len();
+        with_prior(fit.evidence(&problem.long), effects)
+    };
+    let mut runners: Vec<Runner> = fits
+        .into_iter()
+        .map(|fit| Runner {
+            odds: odds(&fit),
+            gained: 0.0,
+            is_open: true,
+            fit,
+        })
+        .collect();
+    let mut best = least;
     for _ in 0..STEPS / AT_A_TIME {
-        fit = fit.improved(&problem.long, AT_A_TIME);
-        let now = fit.evidence(&problem.long);
-        let catches_up = best - now < CATCHES_UP * (now - before);
-        before = now;
-        if fit.is_converged || now < best && !catches_up {
-            break;
+        for runner in runners.iter_mut().filter(|runner| runner.is_open) {
+            progress(&named(&own_names(&runner.fit.hypothesis)));
+            runner.fit = runner.fit.clone().improved(&problem.long, AT_A_TIME);
+            let now = odds(&runner.fit);
+            runner.gained = now - runner.odds;
+            runner.odds = now;
+            best = best.max(now);
+        }
+        for runner in &mut runners {
+            let behind = best - runner.odds;
+            let catches_up = behind == 0.0 || behind < CATCHES_UP * runner.gained;
+            runner.is_open &= catches_up && !runner.fit.is_converged;
         }
     }
-    fit
+    runners.into_iter().map(|runner| runner.fit).collect()
 }
 
 fn add(
@@ -284,17 +307,13 @@ fn add(
         .filter(|effect| effect.is_possible(&problem.rig))
         .collect();
     let looks = looks(problem, current, &effects, progress);
-    let swapped = swapped(problem, current, &looks);
-    for look in followed(problem, current, looks, progress) {
-        keep(known, candidate(problem, look.fit));
-    }
-    for hypothesis in swapped {
-        progress(&named(&own_names(&hypothesis)));
-        let fit = raced(
-            problem,
-            begun(problem, hypothesis, Some(&current.fit)),
-            current.evidence,
-        );
+    let exchanged = swapped(problem, current, &looks);
+    let fits = followed(problem, current, looks, progress)
+        .into_iter()
+        .chain(exchanged)
+        .map(|hypothesis| begun(problem, hypothesis, Some(&current.fit)))
+        .collect();
+    for fit in race(problem, fits, current.odds(), progress) {
         keep(known, candidate(problem, fit));
     }
 }
@@ -436,7 +455,10 @@ fn share_starts(problem: &Problem, known: &mut [Candidate]) {
             }
             let theirs = known[other].fit.reduced(data);
             let starts = known[other].fit.starts.clone();
-            rescue(data, &theirs, &starts, &mut fit, &mut forms);
+            // A set that is worse in most windows is so by its model.
+            if 2 * worse(&theirs, &starts, &fit, &forms).len() < forms.len() {
+                rescue(data, &theirs, &starts, &mut fit, &mut forms);
+            }
         }
         fit.loss = loss::total(&forms, &fit.hypothesis);
         if fit.loss < known[at].fit.loss - 1.0 {

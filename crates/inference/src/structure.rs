@@ -1,7 +1,7 @@
 //! Where what is left has structure: a free torque on the disc or the motor as a function of one coordinate after the other,
 //! entered as one more hypothesis and judged by its log evidence.
 
-use crate::data::{Data, reduced};
+use crate::data::{Data, grams, reduced};
 use crate::evidence::Told;
 use crate::fit::Fit;
 use crate::gram::{Gram, Place};
@@ -228,15 +228,16 @@ pub struct Structure {
 /// Structure that `fit` leaves, strongest first.
 #[must_use]
 pub fn structures(data: &Data, fit: &Fit) -> Vec<Structure> {
-    let Some(without) = linear_evidence(data, fit, &fit.grams, &fit.disturbance, 0) else {
+    let data = &data.clone().with_motor_torques();
+    let own = grams(data, &fit.hypothesis, &fit.starts);
+    let Some(without) = linear_evidence(data, fit, &own, &fit.disturbance, 0) else {
         return Vec::new();
     };
     let mut found: Vec<Structure> = Coordinate::all()
         .into_iter()
         .map(|coordinate| {
             let ratio = fit.hypothesis.rig.gearbox.ratio;
-            let grams: Vec<Option<Gram>> = fit
-                .grams
+            let grams: Vec<Option<Gram>> = own
                 .iter()
                 .map(|gram| {
                     let size = PRIOR * data.scales.torque;
@@ -314,7 +315,8 @@ pub(crate) fn evidence(forms: &[Option<Reduced>], precisions: &[f64], x: &[f64])
     })
 }
 
-/// The Gram matrix with further free numbers: how much of each of the torques on disc and motor that `functions` has at a place.
+/// The Gram matrix with further free numbers: how much of each of the torques on disc and, where there are any, motor that
+/// `functions` has at a place.
 pub(crate) fn augment(gram: &Gram, functions: impl Fn(&Place) -> Vec<(f64, f64)>) -> Gram {
     let functions: Vec<Vec<(f64, f64)>> = gram.places.iter().map(functions).collect();
     let extra = functions.first().map_or(0, Vec::len);
@@ -328,7 +330,9 @@ pub(crate) fn augment(gram: &Gram, functions: impl Fn(&Place) -> Vec<(f64, f64)>
     for (piece, values) in functions.iter().enumerate() {
         for (b, (disc, motor)) in values.iter().enumerate() {
             map[(gram.disc() + piece, residual + b)] = *disc;
-            map[(gram.motor() + piece, residual + b)] = *motor;
+            if let Some(first) = gram.motor() {
+                map[(first + piece, residual + b)] = *motor;
+            }
         }
     }
     let products = map.transpose() * &gram.products * &map;

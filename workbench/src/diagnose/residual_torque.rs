@@ -43,6 +43,7 @@ pub fn residual_torques(
         motor: prior,
         ..Disturbance::NONE
     };
+    let data = &data.clone().with_motor_torques();
     let starts = best_starts(data, &units.to_plant(rig)?);
     let forms = reduced(data, &starts.states, &starts.grams, &free);
     let mut found = Vec::new();
@@ -60,7 +61,8 @@ pub fn residual_torques(
         };
         for (piece, place) in gram.places.iter().enumerate() {
             let (disc, disc_deviation) = at(gram.disc() + piece);
-            let (motor, motor_deviation) = at(gram.motor() + piece);
+            let (motor, motor_deviation) =
+                gram.motor().map_or((0.0, 0.0), |first| at(first + piece));
             found.push(ResidualTorque {
                 run: window.run,
                 place: to_si(place, units),

@@ -33,7 +33,7 @@ impl Candidate {
     pub fn score(&self) -> f64 {
         let hypothesis = &self.fit.hypothesis;
         if hypothesis.at_an_end().is_empty() && !self.is_at_limit && self.p_value.is_none() {
-            self.evidence + LN_PRIOR_ODDS * self.effects.len() as f64
+            self.odds()
         } else {
             f64::NEG_INFINITY
         }
@@ -41,6 +41,12 @@ impl Candidate {
 }
 
 impl Candidate {
+    /// Log evidence and prior odds of its effects, whether it is an answer or not.
+    #[must_use]
+    pub fn odds(&self) -> f64 {
+        with_prior(self.evidence, self.effects.len())
+    }
+
     /// Log odds of this set over `other`.
     #[must_use]
     pub fn lead(&self, other: &Self) -> f64 {
@@ -54,6 +60,11 @@ impl Candidate {
         };
         sure + LN_PRIOR_ODDS * more
     }
+}
+
+/// Log evidence and prior odds of a set of so many effects.
+pub(super) fn with_prior(evidence: f64, effects: usize) -> f64 {
+    evidence + LN_PRIOR_ODDS * effects as f64
 }
 
 /// The set that `fit` is of, with what the windows tell of it.

@@ -1,14 +1,12 @@
 //! Whether what an effect gains is chance: replicas of the records, made without it, are explained with it and without it.
 
-use std::sync::Arc;
-
 use super::candidate::candidate;
-use super::{Candidate, best_first, keep, rebuilt};
+use super::looks::is_near;
+use super::{Candidate, best_first, keep, race, rebuilt};
 use crate::fit::{self, Fit};
 use crate::policy::{LN_PRIOR_ODDS, REPLICAS, SIGNIFICANT};
 use crate::problem::Problem;
 use crate::replica::{exceeded, replica};
-use crate::window::Begin;
 
 /// Steps of the fits to a replica.
 const STEPS: usize = 8;
@@ -30,6 +28,10 @@ pub(super) fn weigh(problem: &Problem, known: &mut Vec<Candidate>, progress: &mu
         };
         settled.push((best.effects.clone(), name));
         let fewer = fitted_without(problem, &best, name, known);
+        // Where no model without the effect could be right, there is no doubt.
+        if !is_near(problem, &fewer) {
+            continue;
+        }
         let gain = best.lead(&fewer) - LN_PRIOR_ODDS;
         progress(&format!("replicas without {}", name.replace('_', " ")));
         let p_value = chance(problem, &best, &fewer, gain);
@@ -64,7 +66,11 @@ fn fitted_without(
         best.fit.starts.clone(),
         best.fit.disturbance,
     );
-    let fewer = candidate(problem, fit.improved(data, fit::STEPS));
+    let raced = race(problem, vec![fit], best.odds(), &mut |_| {}).remove(0);
+    let mut fewer = candidate(problem, raced);
+    if is_near(problem, &fewer) {
+        fewer = candidate(problem, fewer.fit.improved(data, fit::STEPS));
+    }
     keep(known, fewer.clone());
     without(known, best, name).cloned().unwrap_or(fewer)
 }
@@ -110,24 +116,16 @@ fn gain_on_replica(
     fewer: &Candidate,
     seed: u64,
 ) -> Option<f64> {
-    let runs = replica(problem, &fewer.fit, seed)?;
-    let long = problem.windows_of(Arc::new(runs), Begin::Clear);
+    let replica = replica(problem, &fewer.fit, seed)?;
+    let (right, long) = fewer.fit.settled(problem, replica, STEPS);
+    let mut hypothesis = best.fit.hypothesis.clone();
+    hypothesis.take_over(&right.hypothesis);
+    let more = Fit::at(&long, hypothesis, right.starts.clone(), right.disturbance)
+        .improved_alike(&long, STEPS);
     let replayed = Problem {
         long,
         ..problem.clone()
     };
-    let data = &replayed.long;
-    let disturbance = fewer.fit.disturbance;
-    let right = Fit::at(
-        data,
-        fewer.fit.hypothesis.clone(),
-        data.anchors(),
-        disturbance,
-    )
-    .improved(data, STEPS);
-    let mut hypothesis = best.fit.hypothesis.clone();
-    hypothesis.take_over(&right.hypothesis);
-    let more = Fit::at(data, hypothesis, right.starts.clone(), disturbance).improved(data, STEPS);
     let [right, more] = [right, more].map(|fit| candidate(&replayed, fit));
     Some(more.lead(&right) - LN_PRIOR_ODDS)
 }

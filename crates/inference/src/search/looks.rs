@@ -1,6 +1,6 @@
 //! First looks at what an effect promises, before it is fitted to all windows.
 
-use super::{Candidate, NEAR_STEPS, RIVALS, begun, raced, rebuilt};
+use super::{Candidate, NEAR_STEPS, RIVALS, rebuilt};
 use crate::data::{Data, most_free};
 use crate::effects::Effect;
 use crate::fit::Fit;
@@ -10,8 +10,10 @@ use crate::loss;
 use crate::marginal::Disturbance;
 use crate::policy::{FAR, LN_PRIOR_ODDS, RIVAL, WRONG};
 use crate::problem::Problem;
+use crate::scales::Scales;
 use crate::window::Start;
 use nalgebra::{Cholesky, DMatrix, DVector};
+use std::ops::Range;
 
 /// Windows that suffice for the first looks.
 const LOOK_WINDOWS: usize = 80;
@@ -25,6 +27,69 @@ pub(super) struct Look<'a> {
     pub effect: &'a Effect,
     pub fit: Fit,
     promise: f64,
+}
+
+impl<'a> Look<'a> {
+    fn new(effect: &'a Effect, fit: Fit, data: &Data) -> Self {
+        let promise = promise(&fit, data);
+        Self {
+            effect,
+            fit,
+            promise,
+        }
+    }
+}
+
+/// Effects that are looked at in one run: each begins with so little that none sees the others.
+struct Batch<'a> {
+    /// All of them.
+    hypothesis: Hypothesis,
+    members: Vec<Member<'a>>,
+}
+
+struct Member<'a> {
+    effect: &'a Effect,
+    alone: Hypothesis,
+    /// Its numbers among those of the batch.
+    numbers: Range<usize>,
+}
+
+/// Every start of `effects` on top of `base`, as many in a batch as slots allow.
+fn batches<'a>(base: &Hypothesis, effects: &[&'a Effect], scales: &Scales) -> Vec<Batch<'a>> {
+    let mut batches: Vec<Batch<'a>> = Vec::new();
+    for effect in effects {
+        for (number, alone) in effect.starts(base, scales, None).into_iter().enumerate() {
+            if alone.dimension() > most_free(&alone.rig) {
+                continue;
+            }
+            let on_top_of = |hypothesis: &Hypothesis| {
+                effect
+                    .starts(hypothesis, scales, None)
+                    .into_iter()
+                    .nth(number)
+                    .filter(|all| all.dimension() <= most_free(&all.rig))
+            };
+            let open = batches
+                .iter()
+                .enumerate()
+                .find_map(|(at, batch)| Some((at, on_top_of(&batch.hypothesis)?)));
+            let (at, hypothesis) = open.unwrap_or_else(|| {
+                batches.push(Batch {
+                    hypothesis: base.clone(),
+                    members: Vec::new(),
+                });
+                (batches.len() - 1, alone.clone())
+            });
+            let numbers = batches[at].hypothesis.dimension()..hypothesis.dimension();
+            batches[at].hypothesis = hypothesis;
+            batches[at].members.push(Member {
+                effect,
+                alone,
+                numbers,
+            });
+        }
+    }
+    batches
 }
 
 /// The windows on which starts are looked at on top of a fit, and where they start there.
@@ -66,7 +131,7 @@ fn look_data(problem: &Problem, current: &Candidate) -> (Data, Fit) {
 }
 
 /// Whether a set explains the records up to noise and some fluctuation of friction.
-fn is_near(problem: &Problem, current: &Candidate) -> bool {
+pub(super) fn is_near(problem: &Problem, current: &Candidate) -> bool {
     !current.fit.fluctuates_most() && current.fit.misfit(&problem.long) <= WRONG
 }
 
@@ -80,23 +145,37 @@ pub(super) fn looks<'a>(
     let (part, base) = look_data(problem, current);
     let is_far = base.calm(&part).misfit(&part) > WRONG;
     let scatter = is_far.then(|| scatter(part.clone().divided(), &base));
+    let (one_by_one, together): (Vec<&Effect>, Vec<&Effect>) =
+        effects.iter().partition(|effect| effect.is_nonlinear());
     let mut looks = Vec::new();
-    for effect in effects {
+    for batch in batches(&base.hypothesis, &together, &problem.long.scales) {
+        for member in &batch.members {
+            progress(member.effect.name);
+        }
+        let dimension = base.hypothesis.dimension();
+        let all = Fit::at(
+            &part,
+            batch.hypothesis,
+            base.starts.clone(),
+            base.disturbance,
+        );
+        for member in batch.members {
+            let numbers = (0..dimension).chain(member.numbers).collect();
+            let fit = all.narrowed(&part, member.alone, numbers);
+            looks.push(Look::new(member.effect, fit, &part));
+        }
+    }
+    for effect in one_by_one {
         progress(effect.name);
         for hypothesis in effect.starts(&base.hypothesis, &problem.long.scales, scatter.as_ref()) {
             if hypothesis.dimension() > most_free(&hypothesis.rig) {
                 continue;
             }
             let mut fit = Fit::at(&part, hypothesis, base.starts.clone(), base.disturbance);
-            if effect.is_nonlinear() && is_far {
+            if is_far {
                 fit = fit.improved_calmly(&part, 2);
             }
-            let promise = promise(&fit, &part);
-            looks.push(Look {
-                effect,
-                fit,
-                promise,
-            });
+            looks.push(Look::new(effect, fit, &part));
         }
     }
     let nothing = promise(&base, &part);
@@ -135,13 +214,13 @@ fn promise(fit: &Fit, data: &Data) -> f64 {
     -0.5 * (fit.loss - gradient.dot(&step) + volume - prior)
 }
 
-/// The most promising of `looks`, fitted to all windows.
-pub(super) fn followed<'a>(
+/// The hypotheses to which the most promising of `looks` lead, the best first.
+pub(super) fn followed(
     problem: &Problem,
     current: &Candidate,
-    looks: Vec<Look<'a>>,
+    looks: Vec<Look<'_>>,
     progress: &mut dyn FnMut(&str),
-) -> Vec<Look<'a>> {
+) -> Vec<Hypothesis> {
     let (part, base) = look_data(problem, current);
     let nothing = promise(&base, &part);
     // Near the truth a step promises what it holds; from afar it may hold more.
@@ -150,12 +229,12 @@ pub(super) fn followed<'a>(
     } else {
         LN_PRIOR_ODDS
     };
-    let mut field: Vec<Look<'a>> = looks
+    let mut field: Vec<Look<'_>> = looks
         .into_iter()
         .filter(|look| look.promise > least)
         .collect();
     for (most, steps) in ROUNDS {
-        let mut kept: Vec<Look<'a>> = Vec::new();
+        let mut kept: Vec<Look<'_>> = Vec::new();
         for look in field {
             let twins = kept
                 .iter()
@@ -176,18 +255,7 @@ pub(super) fn followed<'a>(
         kept.sort_by(|a, b| b.promise.total_cmp(&a.promise));
         field = kept;
     }
-    let mut best = current.evidence;
-    for look in &mut field {
-        progress(look.effect.name);
-        let hypothesis = look.fit.hypothesis.clone();
-        look.fit = raced(
-            problem,
-            begun(problem, hypothesis, Some(&current.fit)),
-            best,
-        );
-        best = best.max(look.fit.evidence(&problem.long));
-    }
-    field
+    field.into_iter().map(|look| look.fit.hypothesis).collect()
 }
 
 /// Sets with one effect of `current` exchanged that do as well, as far as the looks at one more effect tell: the step that is
