@@ -12,7 +12,7 @@ use crate::record::{CHANNELS, Run};
 use crate::scales::Scales;
 use crate::window::{Begin, Cut, FINE_PIECE, PIECE, START_COMPONENTS, STARTS, Start, Window};
 
-/// Derivative slots for hypotheses of ordinary size.
+/// Derivative slots for hypotheses of ordinary size. Slots come in fours, which are summed together.
 const FEW_SLOTS: usize = 20;
 /// Derivative slots for the largest hypotheses.
 const MANY_SLOTS: usize = 32;
