@@ -74,11 +74,7 @@ impl<'rig> DiscMotion<'rig> {
 
     /// Acceleration the two-Gaussian law sees [rad/s²].
     pub fn seen_acceleration(&self) -> f64 {
-        if self.around.numerics.lag_compensated {
-            2.0 * self.lagged_acceleration - self.twice_lagged
-        } else {
-            self.lagged_acceleration
-        }
+        2.0 * self.lagged_acceleration - self.twice_lagged
     }
 
     /// Positions move on by `time` [s].
@@ -206,16 +202,8 @@ impl<'rig> DiscMotion<'rig> {
             torque_per_mu *= 1.0 + hidden.asymmetry;
         }
         let along = if speed < 0.0 { -1.0 } else { 1.0 };
-        let level = law.coefficient(
-            speed.abs(),
-            along * self.seen_acceleration(),
-            numerics.rest_speed,
-        );
-        let level = if numerics.rest_is_a_state {
-            self.level_by_state(level, law.breakaway())
-        } else {
-            level
-        };
+        let sliding = law.coefficient(speed.abs(), along * self.seen_acceleration());
+        let level = self.level_by_state(sliding, law.breakaway());
         let mut breakaway = torque_per_mu * law.breakaway();
         let mut level = torque_per_mu * level;
         if hidden.dwell_gain != 0.0 {

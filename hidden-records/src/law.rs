@@ -83,14 +83,10 @@ impl ContactLaw {
     }
 
     /// Coefficient a bristle bears in steady sliding at `speed` = |ω| [rad/s] ≥ 0 and
-    /// `acceleration` = sign(ω)·dω/dt [rad/s²]. Meets [`Self::breakaway`] at rest, which ends at about
-    /// `rest_speed` [rad/s].
-    pub fn coefficient(&self, speed: f64, acceleration: f64, rest_speed: f64) -> f64 {
+    /// `acceleration` = sign(ω)·dω/dt [rad/s²].
+    pub fn coefficient(&self, speed: f64, acceleration: f64) -> f64 {
         match self {
-            Self::Coulomb { mu_c } => *mu_c,
-            Self::CoulombStiction { mu_c, mu_s } => {
-                mu_c + (mu_s - mu_c) * share_at_rest(speed, rest_speed)
-            }
+            Self::Coulomb { mu_c } | Self::CoulombStiction { mu_c, .. } => *mu_c,
             Self::Stribeck {
                 mu_c,
                 mu_s,
@@ -101,27 +97,16 @@ impl ContactLaw {
                     acceleration / law.acceleration_semi_axis,
                     (speed - law.omega_centre) / law.omega_centre,
                 );
-                let sliding = law.at_angle(angle);
-                sliding
-                    + self.breakaway_above(sliding, speed, rest_speed)
-                        * share_at_rest(speed, rest_speed)
+                law.at_angle(angle)
             }
             Self::Blend {
                 base,
                 other,
                 weight,
             } => {
-                (1.0 - weight) * base.coefficient(speed, acceleration, rest_speed)
-                    + weight * other.coefficient(speed, acceleration, rest_speed)
+                (1.0 - weight) * base.coefficient(speed, acceleration)
+                    + weight * other.coefficient(speed, acceleration)
             }
-        }
-    }
-
-    fn breakaway_above(&self, sliding: f64, speed: f64, rest_speed: f64) -> f64 {
-        if speed > 30.0 * rest_speed {
-            0.0
-        } else {
-            self.breakaway() - sliding
         }
     }
 
@@ -172,31 +157,25 @@ impl ContactLaw {
     }
 }
 
-fn share_at_rest(speed: f64, rest_speed: f64) -> f64 {
-    let ratio = speed / rest_speed;
-    if ratio > 30.0 { 0.0 } else { exp(-ratio) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn laws_meet_breakaway_at_rest_and_their_own_level_in_sliding() {
+    fn laws_break_away_at_their_level_at_rest_and_slide_at_their_own() {
         let stiction = ContactLaw::CoulombStiction {
             mu_c: 0.13,
             mu_s: 0.2,
         };
-        assert_eq!(stiction.coefficient(0.0, 0.0, 0.002), stiction.breakaway());
-        assert!((stiction.coefficient(0.1, 0.0, 0.002) - 0.13).abs() < 1e-12);
+        assert_eq!(stiction.breakaway(), 0.2);
+        assert_eq!(stiction.coefficient(0.1, 0.0), 0.13);
         let stribeck = ContactLaw::Stribeck {
             mu_c: 0.12,
             mu_s: 0.2,
             omega_s: 1.2,
         };
         assert!(
-            (stribeck.coefficient(1.2, 0.0, 0.002) - (0.12 + 0.08 / core::f64::consts::E)).abs()
-                < 1e-12
+            (stribeck.coefficient(1.2, 0.0) - (0.12 + 0.08 / core::f64::consts::E)).abs() < 1e-12
         );
     }
 
@@ -208,10 +187,7 @@ mod tests {
             other: Box::new(ContactLaw::Coulomb { mu_c: 0.3 }),
             weight: 0.0,
         };
-        assert_eq!(
-            blend.coefficient(2.0, 1.0, 0.002),
-            base.coefficient(2.0, 1.0, 0.002)
-        );
+        assert_eq!(blend.coefficient(2.0, 1.0), base.coefficient(2.0, 1.0));
         assert_eq!(blend.breakaway(), base.breakaway());
     }
 }

@@ -103,12 +103,19 @@ fn stick_slip_agrees_within_the_noise_over_ten_seconds() {
     }
 }
 
-/// Where the two simulators close the algebraic loop of Eq. 6-2 differently they drift apart by
-/// a millisecond per ten stick-slip cycles; the phase plane is the same.
 #[test]
-fn the_two_gaussian_law_agrees_to_milliseconds_over_ten_seconds() {
-    if let Some(differences) = differences("acceleration-hysteresis", "run-a.csv") {
-        assert!(differences[0].disc_angle < 0.05, "{:?}", differences[0]);
-        assert!(differences[0].gearbox_angle < 0.003, "{:?}", differences[0]);
+fn backlash_agrees_within_the_noise_over_forty_seconds() {
+    for difference in differences("backlash", "run-a.csv").unwrap_or_default() {
+        assert_within_noise(&difference, 0.0, "backlash");
+    }
+}
+
+/// Under Eq. 6-2 a breakaway that is a millisecond off moves the next ones: a contact that creeps before it breaks away, or whose
+/// friction falls only from a finite speed on, drifts by 0.3 rad in this time.
+#[test]
+fn the_two_gaussian_law_agrees_to_milliseconds_over_forty_seconds() {
+    for difference in differences("acceleration-hysteresis", "run-a.csv").unwrap_or_default() {
+        assert!(difference.disc_angle < 0.015, "{difference:?}");
+        assert!(difference.gearbox_angle < 0.003, "{difference:?}");
     }
 }

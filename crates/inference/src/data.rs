@@ -7,6 +7,7 @@ use stickslip::plant::Rig;
 
 use crate::gram::{Gram, Pieces, Seen, first_free, window_gram};
 use crate::hypothesis::Hypothesis;
+use crate::load_error::integrate_out;
 use crate::marginal::{Disturbance, Reduced, reduce};
 use crate::record::{CHANNELS, Run};
 use crate::scales::Scales;
@@ -21,6 +22,8 @@ const MOST_FINE_PIECES: f64 = 50.0;
 /// Windows in a row that are one block: neighbours are not independent. What half of the blocks teach is judged on the other
 /// half, and the scatter of blocks gives the error of a difference.
 pub(crate) const BLOCK: usize = 4;
+/// Folds of the windows: what each teaches is judged on the others.
+pub(crate) const FOLDS: usize = 2;
 
 /// Most free numbers that a hypothesis on this rig may have.
 #[must_use]
@@ -142,7 +145,7 @@ impl Data {
             if present != Some(window.run) {
                 (present, first) = (Some(window.run), j);
             }
-            folds.push(((j - first) / BLOCK + window.run) % 2);
+            folds.push(((j - first) / BLOCK + window.run) % FOLDS);
         }
         folds
     }
@@ -199,13 +202,18 @@ pub fn reduced(
     grams: &[Option<Gram>],
     disturbance: &Disturbance,
 ) -> Vec<Option<Reduced>> {
-    grams
+    let (mut forms, errors): (Vec<_>, Vec<_>) = grams
         .par_iter()
         .zip(starts)
         .zip(&data.windows)
         .map(|((gram, start), window)| {
+            let load_deviation = window.load.map_or(0.0, |level| level.deviation);
+            let (offset, deviations) = (offset(start, window), &window.deviations);
             gram.as_ref()
-                .and_then(|g| reduce(g, &offset(start, window), &window.deviations, disturbance))
+                .and_then(|gram| reduce(gram, &offset, deviations, disturbance, load_deviation))
+                .unzip()
         })
-        .collect()
+        .unzip();
+    integrate_out(&data.windows, &data.folds(), &mut forms, &errors);
+    forms
 }

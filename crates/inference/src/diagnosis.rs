@@ -182,10 +182,8 @@ fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec
             let is_no_answer = candidate.score() == f64::NEG_INFINITY;
             let score = if place > 0 && is_no_answer {
                 f64::NEG_INFINITY
-            } else if candidate.effects.len() > candidates[0].effects.len() {
-                candidate.lead(&candidates[0])
             } else {
-                -candidates[0].lead(candidate)
+                candidate.odds_over(&candidates[0])
             };
             (score, own)
         })

@@ -3,6 +3,7 @@
 use crate::loss;
 use crate::marginal::Reduced;
 use crate::policy::MOST_TOLD;
+use crate::window::Window;
 use nalgebra::Cholesky;
 
 /// What each window tells of a hypothesis, and what its free numbers cost.
@@ -10,6 +11,8 @@ use nalgebra::Cholesky;
 pub struct Told {
     /// Log likelihood of each window.
     pub windows: Vec<f64>,
+    /// Whether the start of each window is known, so that none had to be found.
+    pub is_start_known: Vec<bool>,
     /// Log of prior density and volume of the free numbers.
     pub numbers: f64,
 }
@@ -18,7 +21,12 @@ impl Told {
     /// Laplace's approximation at numbers that are `x` and have these precisions a priori; −∞ where the curvature is not
     /// positive.
     #[must_use]
-    pub fn at(forms: &[Option<Reduced>], precisions: &[f64], x: &[f64]) -> Self {
+    pub fn at(
+        windows: &[Window],
+        forms: &[Option<Reduced>],
+        precisions: &[f64],
+        x: &[f64],
+    ) -> Self {
         let (curvature, _) = loss::normal_equations(forms.iter().flatten(), precisions, x);
         let volume = Cholesky::new(curvature).map_or(f64::INFINITY, |cholesky| {
             2.0 * cholesky
@@ -38,6 +46,7 @@ impl Told {
                 .iter()
                 .map(|form| -0.5 * loss::of_window(form))
                 .collect(),
+            is_start_known: windows.iter().map(Window::is_start_known).collect(),
             numbers: 0.5 * (prior - volume),
         }
     }
@@ -48,17 +57,21 @@ impl Told {
         self.windows.iter().sum::<f64>() + self.numbers
     }
 
-    /// Gain in log evidence over `other`, where no window tells more than [`MOST_TOLD`]: the start of a window may not have been
-    /// found under one of the two.
+    /// Gain in log evidence over `other`, where no window tells more than [`MOST_TOLD`] whose start may not have been found under one
+    /// of the two.
     #[must_use]
     pub fn gain_over(&self, other: &Self) -> f64 {
         let windows: f64 = self
             .windows
             .iter()
             .zip(&other.windows)
-            .map(|(own, other)| own - other)
-            .filter(|gain| !gain.is_nan())
-            .map(|gain| gain.clamp(-MOST_TOLD, MOST_TOLD))
+            .zip(&self.is_start_known)
+            .map(|((own, other), is_known)| (own - other, is_known))
+            .filter(|(gain, _)| !gain.is_nan())
+            .map(|(gain, is_known)| match is_known {
+                true => gain,
+                false => gain.clamp(-MOST_TOLD, MOST_TOLD),
+            })
             .sum();
         windows + self.numbers - other.numbers
     }

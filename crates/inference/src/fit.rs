@@ -5,10 +5,11 @@ use crate::evidence::Told;
 use crate::gram::Gram;
 use crate::hypothesis::Hypothesis;
 use crate::loss;
+use crate::lost_starts;
 use crate::marginal::{Disturbance, Reduced};
 use crate::problem::Problem;
 use crate::record::Run;
-use crate::window::{Begin, Start};
+use crate::window::{Begin, Start, Window};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use std::sync::Arc;
 
@@ -117,7 +118,15 @@ impl Fit {
             data.anchors(),
             self.disturbance,
         );
-        (begun.improved_alike(&data, steps), data)
+        let settled = begun.with_lost_starts(&data).improved_alike(&data, steps);
+        (settled.with_lost_starts(&data), data)
+    }
+
+    /// The fit with better starts for windows whose start it has lost, where there are such.
+    #[must_use]
+    pub(crate) fn with_lost_starts(mut self, data: &Data) -> Self {
+        lost_starts::find(data, &mut self);
+        self
     }
 
     /// The fit after at most `steps` further steps, in which friction fluctuates only if it did before.
@@ -148,7 +157,7 @@ impl Fit {
             share: 1.0,
         };
         let anchors = data.anchors();
-        let mut quiet = 0;
+        let (mut quiet, mut has_looked) = (0, false);
         for _ in 0..steps {
             let before = state.fit.loss;
             let Some(trial) = state.trial(&anchors) else {
@@ -167,6 +176,14 @@ impl Fit {
             }
             quiet = if settled { quiet + 1 } else { 0 };
             if quiet >= 2 || settled && gained <= 0.0 || state.share < SHORTEST {
+                if !has_looked {
+                    has_looked = true;
+                    if lost_starts::find(data, &mut state.fit) {
+                        state.forms = state.fit.reduced(data);
+                        (state.share, quiet) = (1.0, 0);
+                        continue;
+                    }
+                }
                 state.fit.is_converged = true;
                 break;
             }
@@ -212,7 +229,12 @@ impl Fit {
     #[must_use]
     pub fn told(&self, data: &Data) -> Told {
         let precisions = self.hypothesis.prior_precisions();
-        Told::at(&self.reduced(data), &precisions, &self.hypothesis.x)
+        Told::at(
+            &data.windows,
+            &self.reduced(data),
+            &precisions,
+            &self.hypothesis.x,
+        )
     }
 
     /// Log evidence of the hypothesis.
@@ -274,6 +296,7 @@ impl Fit {
                 .into_iter()
                 .map(|loss| loss.map_or(f64::NAN, |loss| -0.5 * loss))
                 .collect(),
+            is_start_known: data.windows.iter().map(Window::is_start_known).collect(),
             numbers: 0.0,
         }
     }
@@ -373,7 +396,7 @@ pub(crate) fn rescue(
     before: &[Option<Reduced>],
     fallback: &[Start],
     fit: &mut Fit,
-    forms: &mut [Option<Reduced>],
+    forms: &mut Vec<Option<Reduced>>,
 ) {
     let worse = worse(before, fallback, fit, forms);
     if worse.is_empty() {
@@ -390,9 +413,10 @@ pub(crate) fn rescue(
         .zip(part_forms)
     {
         if loss::of_window(&form) < loss::of_window(&forms[j]) {
-            (fit.starts[j], fit.grams[j], forms[j]) = (start, gram, form);
+            (fit.starts[j], fit.grams[j]) = (start, gram);
         }
     }
+    *forms = reduced(data, &fit.starts, &fit.grams, &fit.disturbance);
 }
 
 /// The windows that are clearly worse than in `others`, where they start otherwise.

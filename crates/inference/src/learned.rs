@@ -65,7 +65,7 @@ pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> O
         let Some(state) = fitted(&basis, &data, &root, &base) else {
             continue;
         };
-        let told = state.told();
+        let told = state.told(&data);
         let is_better = |(other, ..): &(Told, _, _, _)| told.total() > other.total();
         if best.as_ref().is_none_or(is_better) {
             best = Some((told, state, basis, root));
@@ -121,7 +121,7 @@ fn looks<'a>(problem: &'a Problem, data: &Data, base: &Fit) -> Vec<(f64, Basis<'
             let forms = reduced(data, &base.starts, &augmented, &base.disturbance);
             let told = |(reach, size)| {
                 let root = basis.root(reach, size)?;
-                let told = evidence(&in_weights(&forms, own, &root), &precisions, &x)?;
+                let told = evidence(data, &in_weights(&forms, own, &root), &precisions, &x)?;
                 Some((told.total(), root))
             };
             let best = sizes().filter_map(told).max_by(|a, b| a.0.total_cmp(&b.0));

@@ -2,6 +2,7 @@
 //! disturbance torques.
 
 use crate::gram::Gram;
+use crate::load_error::LoadError;
 use crate::window::STARTS;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -37,7 +38,7 @@ pub struct Reduced {
     pub gradient: DVector<f64>,
     /// Sum of squared whitened residuals that the nuisances cannot explain.
     pub square: f64,
-    /// ln det of the nuisances' contribution to the covariance.
+    /// ln det of the nuisances' contribution to the covariance, less what the load cell's errors explain.
     pub log_determinant: f64,
     /// Number of residuals.
     pub residuals: usize,
@@ -53,14 +54,16 @@ pub struct Reduced {
 
 /// Integrates the nuisances of a window out.
 ///
-/// `offset` is the window's start minus its anchor and `deviations` how well the anchor is known.
+/// `offset` is the window's start minus its anchor, `deviations` how well the anchor is known, and `load_deviation` that of the
+/// normal force relative to it, whose error stays in the form that comes second.
 /// `None` if the matrices are not positive, which only non-finite numbers bring about.
 pub fn reduce(
     gram: &Gram,
     offset: &[f64; STARTS],
     deviations: &[f64; STARTS],
     disturbance: &Disturbance,
-) -> Option<Reduced> {
+    load_deviation: f64,
+) -> Option<(Reduced, LoadError)> {
     let starts = gram.starts;
     let mut active: Vec<usize> = (0..starts).collect();
     let disc_scales: Vec<f64> = gram
@@ -148,7 +151,16 @@ pub fn reduce(
     let gradient =
         g.view((first, residual), (free, 1)).column(0) - cross.transpose() * &solved_right;
     square -= right.dot(&solved_right);
-    square.is_finite().then_some(Reduced {
+    let load = load_direction(gram, load_deviation);
+    let loaded = g * &load;
+    let on_nuisance = DVector::from_fn(n, |a, _| loaded[active[a]] * scales[a]);
+    let solved = nuisance.solve(&on_nuisance);
+    let load_error = LoadError {
+        curvature: load.dot(&loaded) - on_nuisance.dot(&solved),
+        gradient: loaded[residual] - right.dot(&solved),
+        cross: loaded.rows(first, free) - cross.transpose() * &solved,
+    };
+    let reduced = Reduced {
         curvature,
         gradient,
         square: square.max(0.0),
@@ -161,7 +173,17 @@ pub fn reduce(
         scales,
         starts,
         disc: (gram.disc(), gram.disc() + gram.pieces),
-    })
+    };
+    reduced.square.is_finite().then_some((reduced, load_error))
+}
+
+/// Torques on the disc that a load larger by this share of it makes.
+fn load_direction(gram: &Gram, share: f64) -> DVector<f64> {
+    let mut direction = DVector::zeros(gram.products.ncols());
+    for (piece, place) in gram.places.iter().enumerate() {
+        direction[gram.disc() + piece] = -share * place.friction * place.speed.signum();
+    }
+    direction
 }
 
 impl Reduced {

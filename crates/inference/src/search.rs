@@ -154,8 +154,8 @@ fn explore(
     }
 }
 
-/// Sets of one effect more than `current` that explain more but are no answer, since a number of that effect ends its range: what
-/// they explain, the numbers of the others may explain as well once they are free to get there.
+/// Sets of one effect more than `current` that explain more, whether they lead or are no answer, since a number of that effect ends
+/// its range: what they explain, the numbers of the others may explain as well once they are free to get there.
 fn stand_ins(current: &Candidate, known: &[Candidate]) -> Vec<Candidate> {
     known
         .iter()
@@ -166,21 +166,23 @@ fn stand_ins(current: &Candidate, known: &[Candidate]) -> Vec<Candidate> {
                     .effects
                     .iter()
                     .all(|name| larger.effects.contains(name))
-                && larger.score() == f64::NEG_INFINITY
-                && larger.evidence > current.evidence
+                && if larger.score() > f64::NEG_INFINITY {
+                    larger.odds_over(current) > 0.0
+                } else {
+                    larger.evidence > current.evidence
+                }
         })
         .cloned()
         .collect()
 }
 
-/// Sorts sets by their scores, and puts before them the one that no other of as many effects or fewer leads.
+/// Sorts sets by their scores, and puts before them the one that no other leads.
 fn best_first(known: &mut [Candidate]) {
     known.sort_by(|a, b| b.score().total_cmp(&a.score()));
     let mut best = 0;
     for other in 1..known.len() {
-        let is_larger = known[other].effects.len() > known[best].effects.len();
         let counts = known[other].score() > f64::NEG_INFINITY;
-        if !is_larger && counts && known[best].lead(&known[other]) < 0.0 {
+        if counts && known[other].odds_over(&known[best]) > 0.0 {
             best = other;
         }
     }

@@ -279,11 +279,16 @@ pub(crate) fn linear_evidence(
     let mut x = fit.hypothesis.x.clone();
     precisions.extend(std::iter::repeat_n(1.0, extra));
     x.extend(std::iter::repeat_n(0.0, extra));
-    evidence(&forms, &precisions, &x)
+    evidence(data, &forms, &precisions, &x)
 }
 
 /// Log evidence at the best values of quadratic forms in numbers that are `x` and have these precisions a priori.
-pub(crate) fn evidence(forms: &[Option<Reduced>], precisions: &[f64], x: &[f64]) -> Option<Told> {
+pub(crate) fn evidence(
+    data: &Data,
+    forms: &[Option<Reduced>],
+    precisions: &[f64],
+    x: &[f64],
+) -> Option<Told> {
     let (curvature, gradient) = loss::normal_equations(forms.iter().flatten(), precisions, x);
     let cholesky = Cholesky::new(curvature)?;
     let step = cholesky.solve(&gradient);
@@ -309,8 +314,11 @@ pub(crate) fn evidence(forms: &[Option<Reduced>], precisions: &[f64], x: &[f64])
             .iter()
             .map(|d| d.ln())
             .sum::<f64>();
+    let run = data.windows.iter().zip(forms);
+    let run = run.filter(|(_, form)| form.is_some());
     Some(Told {
         windows,
+        is_start_known: run.map(|(window, _)| window.is_start_known()).collect(),
         numbers: -0.5 * (prior + volume),
     })
 }

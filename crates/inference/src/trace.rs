@@ -87,15 +87,13 @@ pub(crate) fn traces(run: &Run, rig: &Rig<f64>, instruments: &Instruments) -> Tr
     let disc = measured.unwrap_or_else(|| twisted(run, &gear, rig));
     let speed = speed(&gear).max(if is_measured { speed(&disc) } else { 0.0 });
     let motions = |disc: &Trace, is_measured: bool, sensed: &Sensed<'_>| -> Vec<Motion> {
-        (0..run.len())
-            .map(|at| {
-                if is_measured {
-                    motion(run, disc, at, sensed, instruments, speed)
-                } else {
-                    Motion::Unclear
-                }
-            })
-            .collect()
+        if !is_measured {
+            return vec![Motion::Unclear; run.len()];
+        }
+        let seen: Vec<Motion> = (0..run.len())
+            .map(|at| motion(run, disc, at, sensed, instruments, speed))
+            .collect();
+        lasting(&seen, half(HALF_LOOK, run))
     };
     let sensed = Sensed {
         angle: channel::THETA,
@@ -322,6 +320,21 @@ fn polynomial(run: &Run, channel: usize, at: usize, half: usize, degree: usize) 
     [solved[0], solved[1] / unit, solved[2] / (unit * unit)]
 }
 
+/// The same motions, where a disc that rests does so before and after, too: one that turns back seems to rest as well.
+fn lasting(seen: &[Motion], half: usize) -> Vec<Motion> {
+    (0..seen.len())
+        .map(|at| {
+            let (low, high) = around(at, half, seen.len());
+            match seen[at] {
+                Motion::Stuck if seen[low] != Motion::Stuck || seen[high] != Motion::Stuck => {
+                    Motion::Unclear
+                }
+                own => own,
+            }
+        })
+        .collect()
+}
+
 fn motion(
     run: &Run,
     disc: &Trace,
@@ -373,5 +386,19 @@ fn motion(
         Motion::Sliding
     } else {
         Motion::Unclear
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disc_that_only_turns_back_does_not_rest() {
+        use Motion::{Sliding, Stuck, Unclear};
+        let turning = [Sliding, Unclear, Stuck, Stuck, Stuck, Unclear, Sliding];
+        assert!(!lasting(&turning, 2).contains(&Stuck));
+        let resting = [Stuck, Stuck, Stuck, Stuck, Stuck, Unclear, Sliding];
+        assert_eq!(lasting(&resting, 2)[..3], [Stuck; 3]);
     }
 }

@@ -1,5 +1,6 @@
 //! Windows: stretches of a record over which the model is restarted from the measured motion.
 
+use crate::load_error::LoadLevel;
 use crate::record::{Run, channel};
 use crate::scales::Scales;
 use crate::trace::Motion;
@@ -83,9 +84,17 @@ pub struct Window {
     pub accelerations: [f64; 2],
     /// Standard deviations with which the anchor is known, in the order of [`START_COMPONENTS`].
     pub deviations: [f64; STARTS],
+    /// Level of the normal force on D2 in its middle.
+    pub load: Option<LoadLevel>,
 }
 
 impl Window {
+    /// Whether the state at the first sample is known: the rig is at rest there.
+    #[must_use]
+    pub fn is_start_known(&self) -> bool {
+        self.deviations.iter().all(|deviation| *deviation <= EXACT)
+    }
+
     /// `start` moved by `change`, in the order of [`START_COMPONENTS`]. A disc that sticks stays exactly at rest: the
     /// smallest velocity would be slip, and a law with branches would go on from there on one of them.
     #[must_use]
@@ -206,6 +215,7 @@ impl Cut {
 
     fn window(&self, run_index: usize, run: &Run, first: usize, last: usize) -> Window {
         let mut anchor = [0.0; STATES];
+        let load = LoadLevel::at(run_index, run, (first + last) / 2);
         if first == 0 && starts_at_rest(run, &self.scales) {
             return Window {
                 run: run_index,
@@ -214,6 +224,7 @@ impl Cut {
                 anchor,
                 accelerations: [0.0; 2],
                 deviations: [EXACT; STARTS],
+                load,
             };
         }
         let traces = &run.traces;
@@ -274,19 +285,18 @@ impl Cut {
                 outer_angle,
                 outer_velocity,
             ],
+            load,
         }
     }
 }
 
 /// Whether a run starts at rest with angles zero, as records that begin with the rig do; a stretch after a hole has turned on.
 fn starts_at_rest(run: &Run, scales: &Scales) -> bool {
-    let begin = 3.min(run.len());
     let slow = |channel: usize| {
         let least = 0.03 * scales.speed;
         run.readings[channel]
-            .iter()
-            .take(begin)
-            .all(|w| w.abs() < least + 6.0 * run.traces.disc.velocity_deviation)
+            .first()
+            .is_none_or(|w| w.abs() < least + 6.0 * run.traces.disc.velocity_deviation)
     };
     let at_zero = |channel: usize| {
         run.readings[channel]

@@ -305,10 +305,7 @@ impl DrawnCase {
     pub fn numerics(&self, coarser: f64) -> Numerics {
         let closes_a_loop = matches!(self.truth.law, ContactLaw::TwoGaussian(_));
         if self.rig.believed == NOMINAL && coarser == 1.0 {
-            return Numerics {
-                lag_compensated: true,
-                ..DISSERTATION
-            };
+            return DISSERTATION;
         }
         let finer = if closes_a_loop { FINER_FOR_A_LOOP } else { 1.0 };
         self.rig

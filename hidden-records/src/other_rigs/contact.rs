@@ -184,7 +184,7 @@ pub fn loop_margin(
     }
     let along = if speed < 0.0 { -1.0 } else { 1.0 };
     let change = 1e-4 * inertia.recip() * torque_per_mu * law.breakaway();
-    let at = |acceleration: f64| law.coefficient(speed.abs(), along * acceleration, 1e-12);
+    let at = |acceleration: f64| law.coefficient(speed.abs(), along * acceleration);
     let rise = at(acceleration + change) - at(acceleration - change);
     // At the seam α = ±π the law jumps; what the loop does there is no matter of its slope.
     if (along * acceleration).abs() < 2.0 * change {

@@ -297,11 +297,7 @@ impl OtherRig {
             disc: scales(disc),
             motor: scales(motor),
             acceleration_lag: 8.0 * step,
-            lag_compensated: true,
             resting: disc.deflection / disc.swing,
-            // So small that the law is what it is in sliding at any speed.
-            rest_speed: 1e-12 * self.top_speed,
-            rest_is_a_state: true,
         }
     }
 }

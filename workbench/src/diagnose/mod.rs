@@ -1,7 +1,7 @@
 //! Naming the missing effect: from a model and records that disagree to a corrected model.
 //!
-//! The crate `inference` decides, on the dissertation's rig for the time being [`former`]; here are files, screens and the comparison on the held-out record through FMUs. Small plants
-//! have an engine of their own in [`small_plant`].
+//! The crate `inference` decides; here are files, screens and the comparison on the held-out record through FMUs. Small plants have a
+//! search of their own in [`small_plant`].
 
 pub mod amend;
 pub mod case;
@@ -11,7 +11,6 @@ pub mod console;
 pub mod effect_page;
 pub mod experiment;
 pub mod finding;
-pub mod former;
 mod input_check;
 pub mod learning;
 pub mod load_cell;

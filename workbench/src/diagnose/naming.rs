@@ -3,7 +3,6 @@
 use inference::diagnosis::{Diagnosis, Rival, Verdict, diagnose};
 use inference::fit::Fit;
 use inference::hypothesis::Estimate;
-use inference::learned::learn;
 use inference::policy::RIVAL;
 use inference::problem::Problem;
 use inference::search::{Candidate, fit_effects};
@@ -14,7 +13,6 @@ use super::case::Case;
 use super::console::{number, readable};
 use super::experiment::propose;
 use super::finding::{CheckResult, Experiment, Finding, NO_EFFECT, Ranked, VerdictName};
-use super::former;
 use super::learning::explain_without_cause;
 use super::located::located;
 use crate::files::record::Record;
@@ -34,9 +32,6 @@ pub fn name(
     case: &Case,
     progress: &mut dyn FnMut(&str),
 ) -> anyhow::Result<(Finding, Option<Record>)> {
-    if former::answer::is_asked(case) {
-        return of_former(case, progress);
-    }
     let problem = case.problem()?;
     let found = diagnose(&problem, &mut |what| progress(&described(what)));
     let mut finding = finding(case, &problem, &found)?;
@@ -63,22 +58,6 @@ pub fn name(
         });
         proposal.inputs
     });
-    Ok((finding, inputs))
-}
-
-/// What the engine of the dissertation's rig finds, with a function learned where it names nothing.
-fn of_former(
-    case: &Case,
-    progress: &mut dyn FnMut(&str),
-) -> anyhow::Result<(Finding, Option<Record>)> {
-    let (mut finding, inputs) = former::answer::name(case, progress)?;
-    if finding.verdict == VerdictName::NotInCatalogue && finding.effects.is_empty() {
-        let problem = case.problem()?;
-        let tell = &mut |what: &str| progress(&described(what));
-        let base = fitted(&problem, &[], tell)?.fit;
-        let learned = learn(&problem, &base, tell);
-        explain_without_cause(case, &problem, &base, learned.as_ref(), &mut finding)?;
-    }
     Ok((finding, inputs))
 }
 

@@ -69,9 +69,9 @@ impl State {
     }
 
     /// Log evidence, window by window.
-    pub(super) fn told(&self) -> Told {
+    pub(super) fn told(&self, data: &Data) -> Told {
         let (precisions, x) = self.numbers();
-        Told::at(&self.forms, &precisions, &x)
+        Told::at(&data.windows, &self.forms, &precisions, &x)
     }
 
     /// The state after `share` of the step that the quadratic forms suggest.

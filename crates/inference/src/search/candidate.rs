@@ -47,7 +47,17 @@ impl Candidate {
         with_prior(self.evidence, self.effects.len())
     }
 
-    /// Log odds of this set over `other`.
+    /// Log odds of this set over `other`, whichever has more effects.
+    #[must_use]
+    pub fn odds_over(&self, other: &Self) -> f64 {
+        if self.effects.len() > other.effects.len() {
+            self.lead(other)
+        } else {
+            -other.lead(self)
+        }
+    }
+
+    /// Log odds of this set over `other`, which has no more effects.
     #[must_use]
     pub fn lead(&self, other: &Self) -> f64 {
         let more = self.effects.len() as f64 - other.effects.len() as f64;

@@ -121,7 +121,8 @@ fn gain_on_replica(
     let mut hypothesis = best.fit.hypothesis.clone();
     hypothesis.take_over(&right.hypothesis);
     let more = Fit::at(&long, hypothesis, right.starts.clone(), right.disturbance)
-        .improved_alike(&long, STEPS);
+        .improved_alike(&long, STEPS)
+        .with_lost_starts(&long);
     let replayed = Problem {
         long,
         ..problem.clone()

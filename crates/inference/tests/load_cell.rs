@@ -1,8 +1,7 @@
-//! What an effect gains that replicas without it gain too is no reason to name it.
+//! An error of the load cell in each level of the load is no effect, as far as its noise allows it.
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use inference::diagnosis::{Verdict, diagnose};
-use inference::policy::SIGNIFICANT;
 use inference::problem::{Catalogue, Problem};
 use stickslip::plant::Rig;
 
@@ -46,11 +45,6 @@ fn what_an_error_of_the_load_cell_can_be_gets_no_effect_named() {
             "{:?}",
             found.effects
         );
-        let doubted = |effect: &str| {
-            let rival = found.ranking.iter().find(|rival| rival.effects == [effect]);
-            rival.and_then(|rival| rival.p_value)
-        };
-        assert!(doubted("load_cell_bias").is_some_and(|p_value| p_value > SIGNIFICANT));
     }
 }
 

@@ -1,0 +1,78 @@
+//! Windows whose start was not found: under a model that explains all others, they are left with residuals that no noise makes.
+//!
+//! About a breakaway, or where a law of friction has two branches, the motion depends on the start as over a cliff, and the steps
+//! that derivatives suggest end on its wrong side. Starts drawn about the best one find the other.
+
+use crate::data::{Data, grams, reduced};
+use crate::fit::Fit;
+use crate::loss;
+use crate::policy::{FAR, WRONG};
+use crate::random::Random;
+use crate::window::{STARTS, Start};
+
+/// Starts that are drawn for each such window.
+const DRAWS: u64 = 24;
+/// Scales of the draws, relative to how well the start is known, in turn.
+const SCALES: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
+
+/// Looks for the starts that `fit` has lost; whether it has found a better one.
+pub(crate) fn find(data: &Data, fit: &mut Fit) -> bool {
+    if fit.typical_misfit(data) > WRONG {
+        return false;
+    }
+    let forms = fit.reduced(data);
+    let lost: Vec<usize> = (0..forms.len())
+        .filter(|&j| !data.windows[j].is_start_known())
+        .filter(|&j| {
+            forms[j]
+                .as_ref()
+                .is_none_or(|form| form.square > FAR * form.residuals as f64)
+        })
+        .collect();
+    if lost.is_empty() || 2 * lost.len() > forms.len() {
+        return false;
+    }
+    let part = data.part(&lost);
+    let at = |starts: Vec<Start>| {
+        let grams = grams(&part, &fit.hypothesis, &starts);
+        let forms = reduced(&part, &starts, &grams, &fit.disturbance);
+        let losses: Vec<f64> = forms.iter().map(loss::of_window).collect();
+        (starts, grams, losses)
+    };
+    let mut best = at(lost.iter().map(|&j| fit.starts[j].clone()).collect());
+    let before = best.2.clone();
+    for draw in 0..DRAWS {
+        let scale = SCALES[draw as usize % SCALES.len()];
+        let drawn = lost.iter().zip(&part.windows).zip(&best.0);
+        let drawn = drawn.map(|((&j, window), start)| {
+            let mut random = Random::new(draw * data.windows.len() as u64 + j as u64);
+            let change: [f64; STARTS] =
+                std::array::from_fn(|c| scale * window.deviations[c] * random.normal());
+            let from_anchor = draw < DRAWS / 2;
+            let from = if from_anchor {
+                &window.anchor
+            } else {
+                &start.state
+            };
+            Start {
+                state: window.moved(from, &change),
+                torques: start.torques.clone(),
+            }
+        });
+        let tried = at(drawn.collect());
+        for (k, loss) in tried.2.into_iter().enumerate() {
+            if loss < best.2[k] {
+                (best.0[k], best.1[k], best.2[k]) = (tried.0[k].clone(), tried.1[k].clone(), loss);
+            }
+        }
+    }
+    let mut is_found = false;
+    for (k, &j) in lost.iter().enumerate() {
+        if best.2[k] < before[k] {
+            (fit.starts[j], fit.grams[j]) = (best.0[k].clone(), best.1[k].clone());
+            is_found = true;
+        }
+    }
+    fit.loss = loss::total(&fit.reduced(data), &fit.hypothesis);
+    is_found
+}
