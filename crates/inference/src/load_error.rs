@@ -191,7 +191,7 @@ mod tests {
         let own = all[(FREE, FREE)];
         let cross = all.view((0, FREE), (FREE, 1)).clone_owned();
         let left = all.view((0, 0), (FREE, FREE)) - &cross * cross.transpose() / own;
-        let pulled = pull.rows(0, FREE) - &cross.column(0) * (pull[FREE] / own);
+        let pulled = pull.rows(0, FREE) - cross.column(0) * (pull[FREE] / own);
         assert!((curvature - left).norm() < 1e-10);
         assert!((gradient - pulled).norm() < 1e-10);
 

@@ -129,6 +129,7 @@ fn explore(
                 }
             }
         }
+        start_law_again(problem, &current, known, progress);
         for name in &current.effects {
             let limit = problem
                 .effect(name)
@@ -352,6 +353,35 @@ fn replace(
     let hypothesis = rebuilt(problem, &names, &current.fit.hypothesis);
     let fit = fit_from(problem, hypothesis, Some(&current.fit), false);
     keep(known, candidate(problem, fit));
+}
+
+/// Fits the law of `current` from the starts that the records suggest beside the numbers of its other effects: when the law was added,
+/// those may not have been there.
+fn start_law_again(
+    problem: &Problem,
+    current: &Candidate,
+    known: &mut Vec<Candidate>,
+    progress: &mut dyn FnMut(&str),
+) {
+    let own = |effect: &&Effect| effect.is_law() && current.effects.contains(&effect.name);
+    let Some(law) = problem.effects.iter().find(own) else {
+        return;
+    };
+    let others = current.effects.iter().copied();
+    let others: Vec<&'static str> = others.filter(|name| *name != law.name).collect();
+    if others.is_empty() {
+        return;
+    }
+    let hypothesis = rebuilt(problem, &others, &current.fit.hypothesis);
+    let without = candidate(problem, begun(problem, hypothesis, Some(&current.fit)));
+    let looks = looks(problem, &without, &[law], progress);
+    let fits = followed(problem, &without, looks, progress)
+        .into_iter()
+        .map(|hypothesis| begun(problem, hypothesis, Some(&current.fit)))
+        .collect();
+    for fit in race(problem, fits, current.odds(), progress) {
+        keep(known, candidate(problem, fit));
+    }
 }
 
 /// Whether an effect makes sense on the analyst's model.
