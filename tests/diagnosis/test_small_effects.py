@@ -19,5 +19,6 @@ def test_a_breakaway_that_shows_only_where_two_runs_begin_is_named(tmp_path):
     finding = case.finding
     assert [found["name"] for found in finding["effects"]] == ["stiction"], case.screen
     low, high = finding["effects"][0]["parameters"]["mu_s"]["interval95"]
-    assert low < 0.2 < high and high - low < 0.05
+    # The maker draws mu_s = 0.1938 for this seed.
+    assert low < 0.1938 < high and high - low < 0.05
     assert finding["gap"]["held_out"]["closed"] > 0.98

@@ -122,6 +122,13 @@ impl Fit {
         (settled.with_lost_starts(&data), data)
     }
 
+    /// The fit with other starts for windows that are much worse than most, where those promise more.
+    #[must_use]
+    pub fn with_other_starts(mut self, data: &Data) -> Self {
+        lost_starts::find_beside(self.typical_misfit(data), data, &mut self);
+        self
+    }
+
     /// The fit with better starts for windows whose start it has lost, where there are such.
     #[must_use]
     pub(crate) fn with_lost_starts(mut self, data: &Data) -> Self {

@@ -15,18 +15,20 @@ const DRAWS: u64 = 24;
 /// Scales of the draws, relative to how well the start is known, in turn.
 const SCALES: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 
-/// Looks for the starts that `fit` has lost; whether it has found a better one.
+/// Looks for the starts that `fit` has lost, if it explains most windows; whether it has found a better one.
 pub(crate) fn find(data: &Data, fit: &mut Fit) -> bool {
-    if fit.typical_misfit(data) > WRONG {
-        return false;
-    }
+    fit.typical_misfit(data) <= WRONG && find_beside(1.0, data, fit)
+}
+
+/// The same where most windows leave `typical` squared residuals over their number.
+pub(crate) fn find_beside(typical: f64, data: &Data, fit: &mut Fit) -> bool {
     let forms = fit.reduced(data);
     let lost: Vec<usize> = (0..forms.len())
         .filter(|&j| !data.windows[j].is_start_known())
         .filter(|&j| {
             forms[j]
                 .as_ref()
-                .is_none_or(|form| form.square > FAR * form.residuals as f64)
+                .is_none_or(|form| form.square > FAR * typical * form.residuals as f64)
         })
         .collect();
     if lost.is_empty() || 2 * lost.len() > forms.len() {

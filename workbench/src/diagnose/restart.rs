@@ -5,6 +5,7 @@
 
 use inference::bristle_start::deflect_bristles;
 use inference::data::{Data, grams, reduced};
+use inference::fit::Fit;
 use inference::gram::Gram;
 use inference::hypothesis::Hypothesis;
 use inference::marginal::Disturbance;
@@ -43,8 +44,25 @@ pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
         free: Vec::new(),
         x: Vec::new(),
     };
-    let mut states = data.anchors();
-    let mut present = grams(data, &hypothesis, &states);
+    let mut best = improved(data, &hypothesis, data.anchors());
+    let calm = Disturbance::NONE;
+    let others = Fit::at(data, hypothesis.clone(), best.states.clone(), calm)
+        .with_other_starts(data)
+        .starts;
+    let others = improved(data, &hypothesis, others);
+    let others = others.states.into_iter().zip(others.grams);
+    for (at, (state, gram)) in others.enumerate() {
+        if misfit(&gram, &state, data, at) < misfit(&best.grams[at], &best.states[at], data, at) {
+            (best.states[at], best.grams[at]) = (state, gram);
+        }
+    }
+    best
+}
+
+/// The windows after steps from these starts towards the best ones.
+fn improved(data: &Data, hypothesis: &Hypothesis, starts: Vec<Start>) -> Starts {
+    let mut states = starts;
+    let mut present = grams(data, hypothesis, &states);
     let mut forms = reduced(data, &states, &present, &Disturbance::NONE);
     let nothing = DVector::zeros(0);
     let mut open: Vec<usize> = (0..states.len()).collect();
@@ -62,7 +80,7 @@ pub fn best_starts(data: &Data, rig: &Rig<f64>) -> Starts {
                 None => states[at].clone(),
             })
             .collect();
-        let trial_grams = grams(&part, &hypothesis, &trial);
+        let trial_grams = grams(&part, hypothesis, &trial);
         let trial_forms = reduced(&part, &trial, &trial_grams, &Disturbance::NONE);
         let mut still_open = Vec::new();
         for (((at, state), gram), form) in open.iter().zip(trial).zip(trial_grams).zip(trial_forms)
