@@ -54,8 +54,10 @@ pub struct LoadError {
     pub cross: DVector<f64>,
 }
 
-/// Integrates the errors of all levels out, one for each fold of a level, so that no fold knows of the other. What that changes is shared among the windows of a level, so that sums over them are
-/// exact. The loss counts it beside the residuals, which keep their noise.
+/// Integrates the errors of all levels out, one for each fold of a level, so that no fold knows of the other.
+///
+/// What that changes is shared among the windows of a level, so that sums over them are exact. The loss counts it beside the
+/// residuals, which keep their noise.
 pub(crate) fn integrate_out(
     windows: &[Window],
     folds: &[usize],

@@ -59,7 +59,7 @@ fn the_proposed_experiment_decides_as_often_as_it_says() {
     let problem = Problem::new(
         &model.rig,
         uncertain.to_vec(),
-        &[noisy(&learned, &instruments, 5)],
+        &[noisy(&learned, &instruments, 6)],
         &instruments,
         &Catalogue::default(),
     )
