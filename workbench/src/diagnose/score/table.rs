@@ -162,8 +162,8 @@ pub fn lines(judged: &[Judgement], without: &[Judgement]) -> Vec<Line> {
             "time per case, median [s]",
             quantile(&seconds, 0.5),
             seconds.len(),
-            "aim 10",
-            |v| v <= 10.0,
+            "≤ 5",
+            |v| v <= 5.0,
         ),
         figure(
             "time per case, longest [s]",
