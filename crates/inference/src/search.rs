@@ -3,10 +3,12 @@
 mod candidate;
 mod doubt;
 mod looks;
+mod race;
 
 pub use self::candidate::Candidate;
-use self::candidate::{candidate, with_prior};
+use self::candidate::candidate;
 use self::looks::{followed, looks, swapped};
+use self::race::race;
 use crate::effects::Effect;
 use crate::fit::{Fit, STEPS, rescue, worse};
 use crate::hypothesis::Hypothesis;
@@ -18,10 +20,6 @@ use crate::problem::Problem;
 
 /// Steps of a fit to short windows.
 const NEAR_STEPS: usize = 10;
-/// Steps after which it is asked whether a fit can catch up with the best.
-const AT_A_TIME: usize = 3;
-/// A fit is given up that would need more than so many times its last gain.
-const CATCHES_UP: f64 = 8.0;
 /// Windows on which sets are looked for before they are fitted to all.
 const PART_WINDOWS: usize = 100;
 /// Share of what a set gains that a part of it must gain by itself for other effects to be tried beside it.
@@ -252,49 +250,6 @@ fn begun(problem: &Problem, hypothesis: Hypothesis, from: Option<&Fit>) -> Fit {
         }
         None => measured,
     }
-}
-
-/// A fit that goes on as long as it can catch up with the best.
-struct Runner {
-    fit: Fit,
-    odds: f64,
-    gained: f64,
-    is_open: bool,
-}
-
-/// The fits after further steps, a few of each in turn, as long as each can catch up with the best of them and with `least` in
-/// log odds ([`Candidate::odds`]).
-fn race(problem: &Problem, fits: Vec<Fit>, least: f64, progress: &mut dyn FnMut(&str)) -> Vec<Fit> {
-    let odds = |fit: &Fit| {
-        let effects = fit.hypothesis.effects.len();
-        with_prior(fit.evidence(&problem.long), effects)
-    };
-    let mut runners: Vec<Runner> = fits
-        .into_iter()
-        .map(|fit| Runner {
-            odds: odds(&fit),
-            gained: 0.0,
-            is_open: true,
-            fit,
-        })
-        .collect();
-    let mut best = least;
-    for _ in 0..STEPS / AT_A_TIME {
-        for runner in runners.iter_mut().filter(|runner| runner.is_open) {
-            progress(&named(&own_names(&runner.fit.hypothesis)));
-            runner.fit = runner.fit.clone().improved(&problem.long, AT_A_TIME);
-            let now = odds(&runner.fit);
-            runner.gained = now - runner.odds;
-            runner.odds = now;
-            best = best.max(now);
-        }
-        for runner in &mut runners {
-            let behind = best - runner.odds;
-            let catches_up = behind == 0.0 || behind < CATCHES_UP * runner.gained;
-            runner.is_open &= catches_up && !runner.fit.is_converged;
-        }
-    }
-    runners.into_iter().map(|runner| runner.fit).collect()
 }
 
 fn add(
