@@ -131,6 +131,7 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
+    #[cold]
     fn error(&self, reason: impl Into<String>) -> ExpressionError {
         ExpressionError::new(self.at + 1, reason)
     }
