@@ -48,7 +48,7 @@ pub enum TableError {
         y: usize,
     },
     /// An x that is no number.
-    #[error("table {name}: x[{place}] = {value} must be a finite number")]
+    #[error("table {name}: x[{place}] = {value:?} must be a finite number")]
     Knot {
         /// The table.
         name: String,
@@ -58,7 +58,7 @@ pub enum TableError {
         value: f64,
     },
     /// An x that does not lie above the one before it.
-    #[error("table {name}: x[{place}] = {value} must lie above x[{}] = {before}", place.saturating_sub(1))]
+    #[error("table {name}: x[{place}] = {value:?} must lie above x[{}] = {before:?}", place.saturating_sub(1))]
     Unsorted {
         /// The table.
         name: String,
@@ -71,7 +71,7 @@ pub enum TableError {
     },
     /// Points so near or so far apart that what lies between them is no number.
     #[error(
-        "table {name}: between x[{place}] = {from} and the next point at {to} the slope is too large for a number; \
+        "table {name}: between x[{place}] = {from:?} and the next point at {to:?} the slope is too large for a number; \
          put the points further apart or the values nearer to each other"
     )]
     Steep {
@@ -85,7 +85,7 @@ pub enum TableError {
         to: f64,
     },
     /// A value that is no number.
-    #[error("table {name}: y[{place}] = {value} must be a finite number")]
+    #[error("table {name}: y[{place}] = {value:?} must be a finite number")]
     Value {
         /// The table.
         name: String,
@@ -96,7 +96,7 @@ pub enum TableError {
     },
     /// A period that does not hold all points.
     #[error(
-        "table {name}: period = {period} must be above x[last] − x[0] = {span}; the first point returns by itself"
+        "table {name}: period = {period:?} must be above x[last] − x[0] = {span:?}; the first point returns by itself"
     )]
     Period {
         /// The table.

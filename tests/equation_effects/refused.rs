@@ -191,7 +191,7 @@ fn points_that_make_no_function_are_refused_with_file_effect_and_place() {
             "[0.0, 2.0, 1.0]",
             "[0.0, 1.0, 2.0]",
             "",
-            "x[2] = 1 must lie above x[1] = 2",
+            "x[2] = 1.0 must lie above x[1] = 2.0",
         ),
         (
             "[nan, 1.0]",
@@ -221,13 +221,13 @@ fn points_that_make_no_function_are_refused_with_file_effect_and_place() {
             "[0.0, 1e-320]",
             "[0.0, 1.0]",
             "",
-            "between x[0] = 0 and the next point",
+            "between x[0] = 0.0 and the next point at 1e-320",
         ),
         (
             "[0.0, 1.0]",
             "[0.0, 1.0]",
             "period = 0.5\n",
-            "period = 0.5 must be above x[last] − x[0] = 1",
+            "period = 0.5 must be above x[last] − x[0] = 1.0",
         ),
     ] {
         let extra = effect("disc.torque", "a*f(angle)", &[("a", 0.1, "1")])
