@@ -19,7 +19,7 @@ use crate::files::atomic;
 use error::ExportError;
 use joint::{Given, Joint};
 use line::Speeds;
-use xml::{Target, above, text};
+use xml::{Target, above, number, text};
 
 /// Arguments of `export`.
 #[derive(Debug, Args)]
@@ -70,10 +70,10 @@ pub fn command(arguments: &ExportArguments) -> anyhow::Result<Outcome> {
     println!(
         "{}: damping {} {}, {} {} {}",
         out.display(),
-        line.damping,
+        number(line.damping),
         joint.damping_unit(),
         arguments.to.friction(),
-        line.friction,
+        number(line.friction),
         joint.force_unit()
     );
     println!(
@@ -81,7 +81,7 @@ pub fn command(arguments: &ExportArguments) -> anyhow::Result<Outcome> {
         joint.speeds.low,
         joint.speeds.high,
         joint.speed_unit(),
-        above(line.error),
+        number(above(line.error)),
         joint.force_unit()
     );
     if !joint.left.is_empty() {

@@ -115,7 +115,8 @@ fn close(writer: &mut Output, name: &str) -> io::Result<()> {
 }
 
 /// A number that reads back exactly.
-fn number(value: f64) -> String {
+#[must_use]
+pub fn number(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude != 0.0 && !(1e-4..1e7).contains(&magnitude) {
         format!("{value:e}")
