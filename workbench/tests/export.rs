@@ -95,14 +95,13 @@ fn exported(model: &str, to: &str, more: &[&str]) -> String {
 fn attribute(xml: &str, element: &str, name: &str) -> String {
     let mut reader = Reader::from_str(xml);
     loop {
-        match reader.read_event().unwrap() {
-            Event::Eof => panic!("no {name} of {element} in {xml}"),
-            Event::Start(found) | Event::Empty(found) if found.name().as_ref() == element => {
-                if let Some(found) = found.try_get_attribute(name).unwrap() {
-                    return found.value.into_owned();
-                }
-            }
-            _ => {}
+        let event = reader.read_event().unwrap();
+        assert_ne!(event, Event::Eof, "no {name} of {element} in {xml}");
+        if let Event::Start(found) | Event::Empty(found) = event
+            && found.name().as_ref() == element
+            && let Some(found) = found.try_get_attribute(name).unwrap()
+        {
+            return found.value.into_owned();
         }
     }
 }
