@@ -75,33 +75,29 @@ pub struct Line {
     pub at: f64,
 }
 
-/// What resists at a velocity.
+/// What resists at a speed, in the mean of both directions.
 #[derive(Clone, Copy)]
 struct Point {
     speed: f64,
-    direction: f64,
     resistance: f64,
 }
 
-/// The line whose largest distance from `law` over the range is smallest, neither of its numbers below 0, both rounded to six digits.
-/// `law` gives the force against the motion at a velocity and a direction, 1 or −1.
+/// The line whose largest distance from the mean of both directions of `law` over the range is smallest, neither of its numbers below
+/// 0, both rounded to six digits. Its error is that beside each direction. `law` gives the force against the motion at a velocity and a direction, 1 or −1.
 ///
 /// # Errors
 /// The first velocity at which the law is no finite number.
 pub fn closest(speeds: Speeds, law: impl Fn(f64, f64) -> f64) -> Result<Line, f64> {
     let mut points = Vec::new();
     for speed in speeds.all() {
+        let mut resistance = 0.0;
         for direction in [1.0, -1.0] {
-            let resistance = direction * law(direction * speed, direction);
+            resistance += 0.5 * direction * law(direction * speed, direction);
             if !resistance.is_finite() {
                 return Err(direction * speed);
             }
-            points.push(Point {
-                speed,
-                direction,
-                resistance,
-            });
         }
+        points.push(Point { speed, resistance });
     }
     // Over the slope, the largest distance is convex.
     let distance = |damping| best(&points, damping).1;
@@ -129,10 +125,13 @@ pub fn closest(speeds: Speeds, law: impl Fn(f64, f64) -> f64) -> Result<Line, f6
         error: 0.0,
         at: speeds.high,
     };
-    for point in points {
-        let error = (point.resistance - damping * point.speed - friction).abs();
-        if error > line.error {
-            (line.error, line.at) = (error, point.direction * point.speed);
+    for Point { speed, .. } in points {
+        for direction in [1.0, -1.0] {
+            let resistance = direction * law(direction * speed, direction);
+            let error = (resistance - damping * speed - friction).abs();
+            if error > line.error {
+                (line.error, line.at) = (error, direction * speed);
+            }
         }
     }
     Ok(line)
@@ -180,8 +179,9 @@ mod tests {
     #[test]
     fn a_parabola_has_the_line_of_chebyshev() {
         // v² from a to b: slope a + b, and a distance of (b − a)²/8.
-        let line = closest(SPEEDS, |v, _| v * v.abs() + 2.0 * v.signum()).unwrap();
+        let line = closest(SPEEDS, |v, _| v * v.abs() + 3.0 * v.signum()).unwrap();
         assert!((line.damping - 4.1).abs() < 1e-3, "{line:?}");
+        assert!((line.friction - 0.69875).abs() < 1e-3, "{line:?}");
         assert!((line.error - 3.9 * 3.9 / 8.0).abs() < 1e-5, "{line:?}");
     }
 
