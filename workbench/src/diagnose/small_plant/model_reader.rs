@@ -51,7 +51,29 @@ pub(super) fn read(reader: &Reader<'_>) -> Result<SmallModel, SmallModelError> {
         "motion_low_pass [Hz], compare_rate [Hz] and, if need be, compare_low_pass [Hz], edge [s] and standstill_speed",
     )?;
     check_measurement(reader, &measurement)?;
-    let has_load = columns.load.is_some();
+    let (model, origins) = model(reader, columns.load.is_some())?;
+    let ports = match kind {
+        Kind::Fmu => Some(ports(reader, fmu)?),
+        _ => None,
+    };
+    Ok(SmallModel {
+        model,
+        columns,
+        measurement,
+        ports,
+        origins,
+    })
+}
+
+/// Base and effects of the plant that a file describes, with the origins of their numbers; `has_load` where a column has its load.
+///
+/// # Errors
+/// [`FileError`], naming section and key and what would be right.
+pub fn model(
+    reader: &Reader<'_>,
+    has_load: bool,
+) -> Result<(Model, BTreeMap<String, Provenance>), FileError> {
+    let Plant { kind, path, .. } = reader.plant()?;
     let own_base = base(kind).map_or(PARAMETERS, |entry| entry.name);
     let mut known = vec!["plant", "columns", "measurement", OWN_EFFECTS, own_base];
     if kind == Kind::Fmu {
@@ -62,10 +84,6 @@ pub(super) fn read(reader: &Reader<'_>) -> Result<SmallModel, SmallModelError> {
         .filter(|entry| entry.fits(kind, path, has_load));
     let possible: Vec<&str> = fitting.map(|entry| entry.name).collect();
     reader.check_sections(kind, &known, &possible)?;
-    let ports = match kind {
-        Kind::Fmu => Some(ports(reader, fmu)?),
-        _ => None,
-    };
     let base = match base(kind) {
         Some(base) => base,
         None => of_fmu(parameters(reader)?),
@@ -102,13 +120,7 @@ pub(super) fn read(reader: &Reader<'_>) -> Result<SmallModel, SmallModelError> {
         // An entry lives as long as the program, as those of the catalogue do.
         model = model.with(Box::leak(Box::new(entry)), values);
     }
-    Ok(SmallModel {
-        model,
-        columns,
-        measurement,
-        ports,
-        origins,
-    })
+    Ok((model, origins))
 }
 
 /// What an FMU's file has beside the other kinds'.
