@@ -204,7 +204,7 @@ fn comment(target: Target, joint: &Joint, name: &str, model: &str) -> String {
         Target::Urdf => "how friction holds at rest: each simulator reads it its own way".to_owned(),
     });
     missing.push(
-        "backlash, an elastic shaft, delays and a sag of the supply: the model does not have them either, so no number stands for them"
+        "backlash, an elastic shaft, delays and a sag of the supply: the motion of the model does not have them either, so no number stands for them"
             .to_owned(),
     );
     lines.extend(missing.iter().map(|line| format!("- {line}")));
