@@ -5,7 +5,7 @@
 //! windows' starts absorb, plus the random friction seen in the records. The share closed is
 //! (before² − after²)/(before² − floor²).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use build_fmu::build::{BuildError, Source};
 use build_fmu::library::Library;
@@ -14,6 +14,7 @@ use inference::data::Data;
 use inference::marginal::Disturbance;
 use inference::record::{CHANNELS, RawRecord, channel};
 use inference::window::Begin;
+use rayon::prelude::*;
 use stickslip::parameter::ParameterError;
 use stickslip::plant::{ModelFile, Rig, RigState};
 use thiserror::Error;
@@ -116,30 +117,18 @@ pub fn compare(
     let begin = units.state_to_si(&first_state(data, free_stretch));
     let mut through = Vec::new();
     let mut after_through_fmu = None;
-    for (text, starts, delay) in [
-        (
-            case.model_text.as_str(),
-            &before.set,
-            delay(&case.model.rig),
-        ),
-        (amended_text, &after.set, delay(&amended.rig)),
-    ] {
-        for version in [FmiVersion::Fmi3, FmiVersion::Fmi2] {
-            let mut fmu = built(
-                text,
-                library,
-                version,
-                &work.join(format!("{}", through.len())),
-            )?;
-            through.push(error(&window_courses(
-                fmu.as_mut(),
-                &judging,
-                starts,
-                delay,
-            )?));
-            if through.len() == 3 {
-                after_through_fmu = Some(free(fmu.as_mut(), run, &begin));
-            }
+    let texts = [case.model_text.as_str(), amended_text];
+    let models = [
+        (&before.set, delay(&case.model.rig)),
+        (&after.set, delay(&amended.rig)),
+    ];
+    for (number, fmu) in built(&texts, library, work)?.into_iter().enumerate() {
+        let mut fmu = open(&fmu)?;
+        let (starts, delay) = models[number / VERSIONS.len()];
+        let courses = window_courses(fmu.as_mut(), &judging, starts, delay)?;
+        through.push(error(&courses));
+        if through.len() == 3 {
+            after_through_fmu = Some(free(fmu.as_mut(), run, &begin));
         }
     }
     let reference_speed = mean_speed(run);
@@ -246,16 +235,23 @@ pub(crate) fn delay(rig: &Rig<f64>) -> f64 {
     rig.effects.sensor_delay.map_or(0.0, |effect| effect.delay)
 }
 
-fn built(
-    text: &str,
-    library: &Library,
-    version: FmiVersion,
-    folder: &Path,
-) -> Result<Box<dyn Component>, ShowError> {
-    std::fs::create_dir_all(folder).map_err(ShowError::Directory)?;
-    let source = Source::from_text(text.to_owned(), "model")?;
-    let fmu = source.build(std::slice::from_ref(library), version, folder)?;
-    Ok(open(&fmu.path)?)
+/// Versions of the standard through which models are judged.
+const VERSIONS: [FmiVersion; 2] = [FmiVersion::Fmi3, FmiVersion::Fmi2];
+
+/// FMUs of these models in folders of their own below `work`, each model in both [`VERSIONS`].
+fn built(texts: &[&str], library: &Library, work: &Path) -> Result<Vec<PathBuf>, ShowError> {
+    let both = |text: &&str| VERSIONS.map(|version| ((*text).to_owned(), version));
+    let all: Vec<(String, FmiVersion)> = texts.iter().flat_map(both).collect();
+    all.into_par_iter()
+        .enumerate()
+        .map(|(number, (text, version))| {
+            let folder = work.join(number.to_string());
+            std::fs::create_dir_all(&folder).map_err(ShowError::Directory)?;
+            let source = Source::from_text(text, "model")?;
+            let fmu = source.build(std::slice::from_ref(library), version, &folder)?;
+            Ok(fmu.path)
+        })
+        .collect()
 }
 
 /// Root mean square over the windows that count; NaN where one of them could not be run.
