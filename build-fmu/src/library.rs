@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use thiserror::Error;
 
@@ -21,7 +21,7 @@ pub struct Library {
     pub platform: Platform,
     /// The file's bytes.
     pub content: Vec<u8>,
-    compressed: Arc<OnceLock<CompressedLibrary>>,
+    compressed: Arc<Mutex<Option<CompressedLibrary>>>,
 }
 
 impl Library {
@@ -36,16 +36,18 @@ impl Library {
         }
     }
 
-    /// The library as archives take it, compressed when it is first asked for.
+    /// The library as archives take it, compressed when it is first asked for; threads that ask meanwhile wait.
     ///
     /// # Errors
     /// As [`CompressedLibrary::new`].
     pub fn compressed(&self) -> Result<CompressedLibrary, ArchiveError> {
-        if let Some(compressed) = self.compressed.get() {
-            return Ok(compressed.clone());
-        }
-        let compressed = CompressedLibrary::new(&self.content)?;
-        Ok(self.compressed.get_or_init(|| compressed).clone())
+        let kept = self.compressed.lock();
+        let mut kept = kept.unwrap_or_else(PoisonError::into_inner);
+        let compressed = match kept.take() {
+            Some(compressed) => compressed,
+            None => CompressedLibrary::new(&self.content)?,
+        };
+        Ok(kept.insert(compressed).clone())
     }
 }
 

@@ -14,7 +14,6 @@ use inference::data::Data;
 use inference::marginal::Disturbance;
 use inference::record::{CHANNELS, RawRecord, channel};
 use inference::window::Begin;
-use rayon::prelude::*;
 use stickslip::parameter::ParameterError;
 use stickslip::plant::{ModelFile, Rig, RigState};
 use thiserror::Error;
@@ -115,22 +114,19 @@ pub fn compare(
     let free_stretch = longest(&judging.records);
     let run = &judging.records[free_stretch];
     let begin = units.state_to_si(&first_state(data, free_stretch));
-    let mut through = Vec::new();
-    let mut after_through_fmu = None;
-    let texts = [case.model_text.as_str(), amended_text];
-    let models = [
-        (&before.set, delay(&case.model.rig)),
-        (&after.set, delay(&amended.rig)),
-    ];
-    for (number, fmu) in built(&texts, library, work)?.into_iter().enumerate() {
-        let mut fmu = open(&fmu)?;
-        let (starts, delay) = models[number / VERSIONS.len()];
+    let fmus = built([&case.model_text, amended_text], library, work)?;
+    let through = |fmu: &Path, starts: &[RigState<f64>], delay: f64| {
+        let mut fmu = open(fmu)?;
         let courses = window_courses(fmu.as_mut(), &judging, starts, delay)?;
-        through.push(error(&courses));
-        if through.len() == 3 {
-            after_through_fmu = Some(free(fmu.as_mut(), run, &begin));
-        }
-    }
+        Ok::<_, ShowError>((error(&courses), fmu))
+    };
+    let [fmi3_before, fmi2_before, fmi3_after, fmi2_after] = &fmus;
+    let delays = [&case.model.rig, &amended.rig].map(delay);
+    let (error3_before, _) = through(fmi3_before, &before.set, delays[0])?;
+    let (error2_before, _) = through(fmi2_before, &before.set, delays[0])?;
+    let (error3_after, mut fmu) = through(fmi3_after, &after.set, delays[1])?;
+    let (error2_after, _) = through(fmi2_after, &after.set, delays[1])?;
+    let (free_through_fmu, _) = free(fmu.as_mut(), run, &begin);
     let reference_speed = mean_speed(run);
     let (free_before, friction_before) = free(&mut native_before, run, &begin);
     let (free_after, friction_after) = free(&mut native_after, run, &begin);
@@ -139,17 +135,13 @@ pub fn compare(
         free_run: FreeRun {
             before: measures(&free_before, run, reference_speed),
             after: measures(&free_after, run, reference_speed),
-            after_through_fmu: measures(
-                &after_through_fmu.unwrap_or_default().0,
-                run,
-                reference_speed,
-            ),
+            after_through_fmu: measures(&free_through_fmu, run, reference_speed),
             reference_speed,
         },
         through_fmu: ThroughFmu {
-            fmi3: window_error(through[0], through[2], floor),
-            fmi2_before: through[1],
-            fmi2_after: through[3],
+            fmi3: window_error(error3_before, error3_after, floor),
+            fmi2_before: error2_before,
+            fmi2_after: error2_after,
         },
         windows: both.len(),
         windows_left_aside: both.len() - used,
@@ -235,23 +227,27 @@ pub(crate) fn delay(rig: &Rig<f64>) -> f64 {
     rig.effects.sensor_delay.map_or(0.0, |effect| effect.delay)
 }
 
-/// Versions of the standard through which models are judged.
-const VERSIONS: [FmiVersion; 2] = [FmiVersion::Fmi3, FmiVersion::Fmi2];
-
-/// FMUs of these models in folders of their own below `work`, each model in both [`VERSIONS`].
-fn built(texts: &[&str], library: &Library, work: &Path) -> Result<Vec<PathBuf>, ShowError> {
-    let both = |text: &&str| VERSIONS.map(|version| ((*text).to_owned(), version));
-    let all: Vec<(String, FmiVersion)> = texts.iter().flat_map(both).collect();
-    all.into_par_iter()
-        .enumerate()
-        .map(|(number, (text, version))| {
-            let folder = work.join(number.to_string());
-            std::fs::create_dir_all(&folder).map_err(ShowError::Directory)?;
-            let source = Source::from_text(text, "model")?;
-            let fmu = source.build(std::slice::from_ref(library), version, &folder)?;
-            Ok(fmu.path)
-        })
-        .collect()
+/// FMUs of two models in folders of their own below `work`: of the first in FMI 3 and FMI 2, then of the second.
+fn built(
+    [first, second]: [&str; 2],
+    library: &Library,
+    work: &Path,
+) -> Result<[PathBuf; 4], ShowError> {
+    let build = |folder: &str, text: &str, version: FmiVersion| {
+        let folder = work.join(folder);
+        std::fs::create_dir_all(&folder).map_err(ShowError::Directory)?;
+        let source = Source::from_text(text.to_owned(), "model")?;
+        let fmu = source.build(std::slice::from_ref(library), version, &folder)?;
+        Ok::<_, ShowError>(fmu.path)
+    };
+    let both = |folder: &str, text: &str| {
+        rayon::join(
+            || build(folder, text, FmiVersion::Fmi3),
+            || build(folder, text, FmiVersion::Fmi2),
+        )
+    };
+    let (before, after) = rayon::join(|| both("before", first), || both("after", second));
+    Ok([before.0?, before.1?, after.0?, after.1?])
 }
 
 /// Root mean square over the windows that count; NaN where one of them could not be run.
