@@ -58,10 +58,9 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         }
         let gap = effects.backlash.map_or(S::ZERO, |backlash| backlash.gap);
         let inverse_inertia = one / rig.disc.inertia;
-        let bearing = effects.bearing_friction.map_or(S::ZERO, |b| b.torque);
         Self {
             rig,
-            has_effects: rig.act_on_motion(),
+            has_effects: rig.needs_effect_series(),
             inverse_motor_inertia: one / motor_inertia,
             inverse_inductance: one / rig.motor.inductance,
             ratio,
@@ -107,7 +106,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 law: &rig.law,
                 inertia: rig.disc.inertia,
                 inverse_inertia,
-                constant_torque: bearing,
+                constant_torque: rig.bearing_torque(),
                 near: mode.near[0],
                 folded: mode.folded[0],
             },

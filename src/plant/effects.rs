@@ -181,6 +181,17 @@ section! {
     }
 }
 
+/// Effects that change numbers of the rig, its load or its voltage, or only what is read.
+const WITHOUT_SERIES: [&str; 7] = [
+    "bearing_friction",
+    "motor_viscous",
+    "supply_sag",
+    "load_cell_bias",
+    "friction_wear",
+    "load_exponent",
+    "sensor_delay",
+];
+
 macro_rules! effects {
     (
         $(#[$doc:meta])*
@@ -248,9 +259,9 @@ macro_rules! effects {
                 sections
             }
 
-            /// Whether any effect that is on acts on the motion and not only on what is read.
-            pub fn act_on_motion(&self) -> bool {
-                self.active().iter().any(|(name, _)| *name != "sensor_delay")
+            /// Whether any effect that is on needs series of its own beside the rig's.
+            pub(super) fn need_series(&self) -> bool {
+                self.active().iter().any(|(name, _)| !WITHOUT_SERIES.contains(name))
             }
 
             /// The effects that are on, by name, to be changed.
