@@ -50,7 +50,7 @@ pub(crate) const MEASURES: &str =
 pub(crate) fn measures(point: &Point) -> String {
     format!(
         "{},{},{},{},{},{},{}",
-        point.motion.map_or("failed", Motion::name),
+        motion_name(point),
         number(point.minimum),
         number(point.maximum),
         number(point.half_amplitude()),
@@ -58,6 +58,11 @@ pub(crate) fn measures(point: &Point) -> String {
         number(point.stick_fraction),
         point.switches
     )
+}
+
+/// Name of a run's motion.
+pub(crate) fn motion_name(point: &Point) -> &'static str {
+    point.motion.map_or("failed", Motion::name)
 }
 
 fn extrema(settings: &Settings, rows: &[Vec<Point>]) -> String {
