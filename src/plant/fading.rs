@@ -34,6 +34,7 @@ impl<S: Scalar> Fading<S> {
     pub fn new<const N: usize>(
         amplitude: [S; 2],
         manifold: &SlowManifold<f64, N>,
+        fast: &Matrix,
         following: &Matrix,
     ) -> Self {
         let h = &manifold.slow_from_fast;
@@ -49,12 +50,11 @@ impl<S: Scalar> Fading<S> {
             rows[OMEGA1] = h[DISC_1];
             rows[THETA1] = sum(&rows[THETA], 1.0, &h[TWIST_1]);
         }
-        let fast = manifold.fast;
-        let (mean, square) = mean_and_square(&fast);
+        let (mean, square) = mean_and_square(fast);
         let slowest = -mean - libm::sqrt(square.max(0.0));
         Self {
             amplitude,
-            fast,
+            fast: *fast,
             rows,
             lifetime: FADED / slowest,
         }

@@ -77,8 +77,6 @@ pub(super) struct SlowManifold<S, const N: usize> {
     pub slow_from_fast: Matrix<S, N, 2>,
     /// A_s.
     pub slow: Matrix<S, N, N>,
-    /// A_f.
-    pub fast: Matrix<S, 2, 2>,
     /// A_f⁻¹.
     pub fast_inverse: Matrix<S, 2, 2>,
 }
@@ -117,7 +115,6 @@ impl<S: Scalar, const N: usize> SlowManifold<S, N> {
             fast_from_slow,
             slow_from_fast,
             slow,
-            fast,
             fast_inverse,
         })
     }
@@ -262,7 +259,8 @@ fn subtract<S: Scalar, const M: usize, const N: usize>(
     std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] - b[i][j]))
 }
 
-fn inverse<S: Scalar>(a: &Matrix<S, 2, 2>) -> Option<Matrix<S, 2, 2>> {
+/// The inverse, or `None` of a singular matrix.
+pub(super) fn inverse<S: Scalar>(a: &Matrix<S, 2, 2>) -> Option<Matrix<S, 2, 2>> {
     let determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
     if determinant.value() == 0.0 || !determinant.value().is_finite() {
         return None;

@@ -14,6 +14,7 @@ use crate::plant::jet::RigJet;
 use crate::plant::linear_parts::LinearParts;
 use crate::plant::slow_manifold::{
     CURRENT, DISC, DISC_1, DiscMotion, Feedback, MOTOR, Regimes, SlowManifold, TWIST, TWIST_1,
+    inverse,
 };
 use crate::plant::slow_motion::derivatives_missed;
 use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
@@ -41,12 +42,14 @@ struct Coordinates<const N: usize> {
     manifold: SlowManifold<f64, N>,
     /// How the slow variables answer to accelerations of D2 and D1: e + H L e.
     answers: [[f64; N]; 2],
+    /// A_f.
+    fast: [[f64; 2]; 2],
     /// 1 + L H: how (ω3, i) follow the transformed fast variables.
     following: [[f64; 2]; 2],
 }
 
 impl<const N: usize> Coordinates<N> {
-    fn new(manifold: SlowManifold<f64, N>) -> Self {
+    fn new(manifold: SlowManifold<f64, N>) -> Option<Self> {
         let (l, h) = (&manifold.fast_from_slow, &manifold.slow_from_fast);
         let answer = |disc: usize| {
             std::array::from_fn(|j| {
@@ -64,11 +67,12 @@ impl<const N: usize> Coordinates<N> {
                 direct + (0..N).map(|m| l[i][m] * h[m][j]).sum::<f64>()
             })
         });
-        Self {
+        Some(Self {
+            fast: inverse(&manifold.fast_inverse)?,
             manifold,
             answers,
             following,
-        }
+        })
     }
 
     /// What the change of the friction's slopes makes of derivatives beside the manifold while they fade, about: velocities of D2
@@ -136,7 +140,7 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
         let found = Found {
             regimes,
             feedback,
-            coordinates: manifold.map(|manifold| Box::new(Coordinates::new(manifold))),
+            coordinates: manifold.and_then(Coordinates::new).map(Box::new),
         };
         match known {
             Some(place) => {
@@ -224,9 +228,15 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
                 return false;
             }
         }
-        let manifold = &coordinates.manifold;
-        jet.fading =
-            fades.then(|| Box::new(Fading::new(amplitude, manifold, &coordinates.following)));
+        jet.fading = fades.then(|| {
+            let Coordinates {
+                manifold,
+                fast,
+                following,
+                ..
+            } = coordinates;
+            Box::new(Fading::new(amplitude, manifold, fast, following))
+        });
         // What fades turns the disc, too, and the other angles follow it by their twists.
         jet.states[THETA][0] = state[THETA];
         if let Some(fading) = &jet.fading {
