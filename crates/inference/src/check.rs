@@ -1,6 +1,7 @@
 //! Whether the best set explains the records: what is left, compared with what replicas of the records leave.
 
 use crate::fit::Fit;
+use crate::missed::Missed;
 use crate::policy::{LN_PRIOR_ODDS, MOST_MISFIT, REPLICAS, SIGNIFICANT};
 use crate::problem::Problem;
 use crate::replica::{exceeded, left_of_replica};
@@ -14,6 +15,8 @@ pub struct Check {
     pub p_value: Option<f64>,
     /// Squared residuals over their number in the window in the middle of all.
     pub misfit: f64,
+    /// What windows from rest, in the records and the held-out one, leave beyond what the instruments can, in ln likelihood.
+    pub missed: f64,
     /// The most that a free torque over one coordinate gains in log evidence.
     pub structure: f64,
     /// Why the check failed, in words; empty where it did not.
@@ -64,6 +67,20 @@ pub fn check(
             "the squared residuals are {misfit:.2} times what the instruments explain"
         ));
     }
+    let missed = Missed::new(problem, fit);
+    let of_records = missed.of_records();
+    if of_records > -LN_PRIOR_ODDS {
+        match beside_missed(&missed, of_records, progress) {
+            Some(p_value) if p_value >= SIGNIFICANT => {}
+            Some(p_value) => reasons.push(format!(
+                "windows that start from rest leave {of_records:.0} in ln likelihood beyond what the instruments can; {REPLICAS} replicas of the records give \
+                 so much a probability of {p_value:.0e}"
+            )),
+            None => reasons.push(
+                "it misses windows that start from rest, and the fitted model cannot run through the records to tell whether that is chance".to_owned(),
+            ),
+        }
+    }
     if fit.fluctuates_most() {
         reasons.push(format!(
             "friction would have to fluctuate by {:.0} % or more",
@@ -73,6 +90,7 @@ pub fn check(
     Check {
         p_value: least.map(|(_, p_value)| *p_value),
         misfit,
+        missed: of_records,
         structure: structure.first().map_or(0.0, |s| s.gain),
         reasons,
     }
@@ -101,6 +119,25 @@ fn beside_replicas<'a>(
     }
     let p_value = |own: &&'a Structure| Some((*own, exceeded(own.gain, gains(&replicas, own))?));
     suspects.iter().map(p_value).collect()
+}
+
+/// Probability that a replica is missed as much; `None` where the model cannot run through the records. Once one is, the others are
+/// not needed.
+fn beside_missed(
+    missed: &Missed<'_>,
+    of_records: f64,
+    progress: &mut dyn FnMut(&str),
+) -> Option<f64> {
+    let mut replicas = Vec::new();
+    for seed in 1..=REPLICAS {
+        progress("what the model misses of replicas of the records");
+        let own = missed.of_replica(seed)?;
+        replicas.push(own);
+        if own >= of_records {
+            break;
+        }
+    }
+    exceeded(of_records, replicas)
 }
 
 fn gain_over(left: &[Structure], coordinate: Coordinate) -> f64 {

@@ -194,6 +194,9 @@ pub struct CheckResult {
     pub p_value: Option<f64>,
     /// Squared residuals over their number: about 1 where nothing but noise is left.
     pub misfit: f64,
+    /// What windows from rest, in the records and the held-out one, leave beyond what the instruments can, in ln likelihood.
+    #[serde(default)]
+    pub missed: f64,
     /// The most that a free torque over one coordinate gains in log evidence.
     pub structure: f64,
 }
