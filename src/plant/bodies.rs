@@ -52,10 +52,6 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         let ratio = rig.gearbox.ratio;
         let motor_inertia = ratio * ratio * rig.motor.inertia;
         let effects = &rig.effects;
-        let mut viscous = rig.motor.viscous_damping;
-        if let Some(extra) = &effects.motor_viscous {
-            viscous += extra.coefficient;
-        }
         let gap = effects.backlash.map_or(S::ZERO, |backlash| backlash.gap);
         let inverse_inertia = one / rig.disc.inertia;
         Self {
@@ -65,7 +61,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
             inverse_inductance: one / rig.motor.inductance,
             ratio,
             current_to_torque: ratio * rig.motor.torque_constant,
-            motor_damping: ratio * ratio * viscous,
+            motor_damping: ratio * ratio * rig.motor_viscous_damping(),
             back_emf: ratio * rig.motor.back_emf_constant,
             motor_coulomb: ratio * rig.motor.coulomb_torque,
             play: gap * 0.5,

@@ -140,6 +140,7 @@ impl<S: Scalar> Rig<S> {
             jet.voltage_is_constant,
             &mut jet.voltage,
         );
+        // Where there are series of effects, equations among them see the voltage before it sags.
         if let (Some(sag), None) = (&self.effects.supply_sag, &jet.effects) {
             for c in &mut jet.voltage {
                 *c = *c * sag.factor;

@@ -1,7 +1,7 @@
 //! What is left of fast transients in the derivatives of a segment on the slow manifold.
 //!
 //! Derivatives obey linear equations, so that a motion on the manifold may carry derivatives that are not: the part of them
-//! beside the manifold stays in the fast directions and fades as exp(A_f t), which is told here in closed form. A Taylor series
+//! beside the manifold stays in the fast directions and fades as exp(A_f t), which stands here in closed form. A Taylor series
 //! would have to follow it in steps of the motor's time constant.
 
 use super::STATES;
@@ -11,10 +11,11 @@ use crate::series::Scalar;
 
 type Matrix = [[f64; 2]; 2];
 
-/// Exponent beyond which what fades is below the rounding of what it started from.
+/// Exponent beyond which what fades is below the rounding of what it started from: e⁻⁴⁰ = 4e-18.
 const FADED: f64 = 40.0;
-/// Square of the angle below which the exponential's even and odd parts are summed as series: eight terms are exact there.
+/// Square of the angle z below which cosh √z and sinh √z/√z are summed as series, where their quotients lose digits.
 const SMALL: f64 = 1.0;
+/// Terms of these series: the tenth is at most 1/18! = 2e-16.
 const SERIES_TERMS: usize = 9;
 
 /// Derivatives beside the slow manifold, as a function of the time since the segment's start.

@@ -43,17 +43,13 @@ impl<S: Scalar> LinearParts<S> {
         let one = S::constant(1.0);
         let ratio = rig.gearbox.ratio;
         let outer = rig.outer.as_ref();
-        let mut viscous = rig.motor.viscous_damping;
-        if let Some(extra) = &rig.effects.motor_viscous {
-            viscous += extra.coefficient;
-        }
         Self {
             stiffness: rig.shaft.stiffness,
             damping: rig.shaft.damping,
             inertia: rig.disc.inertia,
             inverse_inertia: one / rig.disc.inertia,
             current_to_torque: ratio * rig.motor.torque_constant,
-            motor_damping: ratio * ratio * viscous,
+            motor_damping: ratio * ratio * rig.motor_viscous_damping(),
             motor_coulomb: ratio * rig.motor.coulomb_torque,
             inverse_motor_inertia: one / (ratio * ratio * rig.motor.inertia),
             resistance: rig.motor.resistance,

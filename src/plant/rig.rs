@@ -202,6 +202,15 @@ impl<S: Scalar> Rig<S> {
         bearing.map_or(S::ZERO, |bearing| bearing.torque)
     }
 
+    /// Viscous damping of the motor, on its own side.
+    pub(super) fn motor_viscous_damping(&self) -> S {
+        let mut damping = self.motor.viscous_damping;
+        if let Some(extra) = &self.effects.motor_viscous {
+            damping += extra.coefficient;
+        }
+        damping
+    }
+
     /// All parameters in a fixed order.
     pub fn parameters(&self) -> Vec<Parameter> {
         parameter::parameters(&self.sections())

@@ -82,8 +82,12 @@ pub(super) struct SlowManifold<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> SlowManifold<S, N> {
-    /// The transformation, or `None` if the fast variables are not stable and far from the slow ones.
-    pub fn new(parts: &LinearParts<S>, regimes: &Regimes, feedback: [Feedback; 2]) -> Option<Self> {
+    /// The transformation and A_f, or `None` if the fast variables are not stable and far from the slow ones.
+    pub fn new(
+        parts: &LinearParts<S>,
+        regimes: &Regimes,
+        feedback: [Feedback; 2],
+    ) -> Option<(Self, Matrix<S, 2, 2>)> {
         let (mut a11, mut a12, a21, a22) = blocks::<S, N>(parts, regimes);
         for (place, (motion, feedback)) in [DISC, DISC_1]
             .into_iter()
@@ -111,12 +115,13 @@ impl<S: Scalar, const N: usize> SlowManifold<S, N> {
             });
         let stable = (fast[0][0] + fast[1][1]).value() < 0.0
             && (fast[0][0] * fast[1][1] - fast[0][1] * fast[1][0]).value() > 0.0;
-        (found && stable).then_some(Self {
+        let manifold = Self {
             fast_from_slow,
             slow_from_fast,
             slow,
             fast_inverse,
-        })
+        };
+        (found && stable).then_some((manifold, fast))
     }
 
     /// (s, q) of transformed coordinates.
@@ -259,8 +264,7 @@ fn subtract<S: Scalar, const M: usize, const N: usize>(
     std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] - b[i][j]))
 }
 
-/// The inverse, or `None` of a singular matrix.
-pub(super) fn inverse<S: Scalar>(a: &Matrix<S, 2, 2>) -> Option<Matrix<S, 2, 2>> {
+fn inverse<S: Scalar>(a: &Matrix<S, 2, 2>) -> Option<Matrix<S, 2, 2>> {
     let determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
     if determinant.value() == 0.0 || !determinant.value().is_finite() {
         return None;

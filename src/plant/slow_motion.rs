@@ -59,7 +59,8 @@ impl<S: Scalar, const N: usize> SlowMotion<S, N> {
         if let Some((_, manifold)) = self.found.iter().find(|(known, _)| *known == regimes) {
             return manifold.clone();
         }
-        let manifold = SlowManifold::new(parts, &regimes, [Feedback::NONE; 2]);
+        let found = SlowManifold::new(parts, &regimes, [Feedback::NONE; 2]);
+        let manifold = found.map(|(manifold, _)| manifold);
         self.found.push((regimes, manifold.clone()));
         manifold
     }

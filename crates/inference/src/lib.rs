@@ -21,7 +21,7 @@ pub mod load_error;
 pub mod loss;
 mod lost_starts;
 pub mod marginal;
-mod missed;
+pub mod missed;
 pub mod numbers;
 pub mod policy;
 pub mod problem;

@@ -1,12 +1,13 @@
 //! What a model misses: windows that start from rest, and leave more than the instruments can.
 //!
-//! Elsewhere a window may be missed because its start was not found. The start of one from rest is known, so that nothing excuses it;
-//! replicas of the records tell what friction that fluctuates leaves there.
+//! Elsewhere a window may be missed because its start was not found. The start of one from rest is known, so that nothing excuses it.
+//! One window may be missed all the same, where friction that fluctuates lets the disc go a moment later; replicas of the records tell
+//! how often.
 
 use crate::data::Data;
 use crate::fit::Fit;
 use crate::marginal::{Disturbance, Reduced};
-use crate::policy::MOST_MISFIT;
+use crate::policy::{MOST_MISFIT, MOST_TOLD};
 use crate::problem::Problem;
 use crate::replica::replica;
 use crate::window::Begin;
@@ -16,8 +17,50 @@ use std::sync::Arc;
 /// Steps in which the fitted model settles on a replica.
 const STEPS: usize = 4;
 
-/// What a fit misses from rest, in ln likelihood.
-pub(crate) struct Missed<'a> {
+/// Windows from rest, and how many of them a model misses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FromRest {
+    /// All of them.
+    pub windows: usize,
+    /// Those that the model misses.
+    pub missed: usize,
+}
+
+impl std::ops::Add for FromRest {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            windows: self.windows + other.windows,
+            missed: self.missed + other.missed,
+        }
+    }
+}
+
+impl FromRest {
+    /// Probability that as many of these are missed as there are, if those of `replicas` are missed as easily: that of
+    /// drawing so many from all that are missed (hypergeometric distribution).
+    #[must_use]
+    pub fn chance(self, replicas: Self) -> f64 {
+        let all = self + replicas;
+        // The windows are drawn one after the other, and `by_missed[k]` is the probability that k of them are missed ones.
+        let mut by_missed = vec![0.0; self.windows + 1];
+        by_missed[0] = 1.0;
+        for drawn in 0..self.windows {
+            for missed in (0..=drawn).rev() {
+                let left = all.missed.saturating_sub(missed) as f64;
+                let share = left / (all.windows - drawn) as f64;
+                let before = by_missed[missed];
+                by_missed[missed + 1] += before * share;
+                by_missed[missed] = before * (1.0 - share);
+            }
+        }
+        by_missed[self.missed..].iter().sum()
+    }
+}
+
+/// The records and the held-out one, as a fit meets them.
+pub(crate) struct Encounter<'a> {
     problem: &'a Problem,
     fit: &'a Fit,
     /// How well the records tell the numbers of the fit.
@@ -26,50 +69,46 @@ pub(crate) struct Missed<'a> {
     held_out: Option<(Problem, Fit)>,
 }
 
-impl<'a> Missed<'a> {
+impl<'a> Encounter<'a> {
     pub fn new(problem: &'a Problem, fit: &'a Fit) -> Self {
-        let held_out = problem.held_out.as_ref();
+        let held_out = problem.held_out.clone().map(|unseen| {
+            let (long, there) = there(fit, unseen);
+            let posed = Problem {
+                long,
+                held_out: None,
+                ..problem.clone()
+            };
+            (posed, there)
+        });
         Self {
             problem,
             fit,
             known: fit.curvature(&problem.long),
-            held_out: held_out.map(|unseen| {
-                let there = there(fit, unseen.clone());
-                let long = there.0;
-                let posed = Problem {
-                    long,
-                    held_out: None,
-                    ..problem.clone()
-                };
-                (posed, there.1)
-            }),
+            held_out,
         }
     }
 
-    /// Of the records, and of the held-out one.
-    pub fn of_records(&self) -> f64 {
-        let learned = excess(
-            &self.problem.long,
-            &self.fit.reduced(&self.problem.long),
-            None,
-        );
-        let held_out = self.held_out.as_ref().map_or(0.0, |(posed, there)| {
-            excess(&posed.long, &there.reduced(&posed.long), Some(&self.known))
+    /// Of the records themselves.
+    pub fn of_records(&self) -> FromRest {
+        let data = &self.problem.long;
+        let learned = from_rest(data, &self.fit.reduced(data), None);
+        let held_out = self.held_out.as_ref().map(|(posed, there)| {
+            from_rest(&posed.long, &there.reduced(&posed.long), Some(&self.known))
         });
-        learned + held_out
+        learned + held_out.unwrap_or_default()
     }
 
-    /// The same of replica number `seed` of all of them; `None` where the model cannot run through one.
-    pub fn of_replica(&self, seed: u64) -> Option<f64> {
+    /// Of replica number `seed`; `None` where the model cannot run through it.
+    pub fn of_replica(&self, seed: u64) -> Option<FromRest> {
         let learned = replica(self.problem, self.fit, seed)?;
         let (settled, data) = self.fit.settled(self.problem, learned, STEPS);
-        let mut missed = excess(&data, &settled.reduced(&data), None);
-        if let Some((posed, fit)) = &self.held_out {
-            let runs = Arc::new(replica(posed, fit, seed)?);
-            let (data, there) = there(self.fit, posed.windows_of(runs, Begin::Clear));
-            missed += excess(&data, &there.reduced(&data), Some(&self.known));
-        }
-        Some(missed)
+        let learned = from_rest(&data, &settled.reduced(&data), None);
+        let Some((posed, fit)) = &self.held_out else {
+            return Some(learned);
+        };
+        let runs = Arc::new(replica(posed, fit, seed)?);
+        let (data, there) = there(self.fit, posed.windows_of(runs, Begin::Clear));
+        Some(learned + from_rest(&data, &there.reduced(&data), Some(&self.known)))
     }
 }
 
@@ -90,16 +129,26 @@ fn there(fit: &Fit, unseen: Data) -> (Data, Fit) {
     (data, found)
 }
 
-/// What windows that start from rest leave beyond what the instruments and numbers that are `known` so well can explain, in ln
-/// likelihood.
-fn excess(data: &Data, forms: &[Option<Reduced>], known: Option<&DMatrix<f64>>) -> f64 {
+/// Windows from rest. The model misses one that leaves more than instruments and numbers that are `known` so well explain, by as
+/// much as one window may tell.
+fn from_rest(
+    data: &Data,
+    forms: &[Option<Reduced>],
+    known: Option<&DMatrix<f64>>,
+) -> FromRest {
     let windows = forms.iter().zip(&data.windows);
-    let from_rest = windows.filter(|(_, window)| window.is_start_known());
-    let each = from_rest.filter_map(|(form, _)| form.as_ref()).map(|form| {
-        let n = form.residuals.max(1) as f64;
-        (0.5 * n * (square(form, known) / (MOST_MISFIT * n)).ln()).max(0.0)
-    });
-    each.sum()
+    let known_starts = windows.filter(|(_, window)| window.is_start_known());
+    let excesses: Vec<f64> = known_starts
+        .filter_map(|(form, _)| form.as_ref())
+        .map(|form| {
+            let n = form.residuals.max(1) as f64;
+            0.5 * n * (square(form, known) / (MOST_MISFIT * n)).ln()
+        })
+        .collect();
+    FromRest {
+        windows: excesses.len(),
+        missed: excesses.iter().filter(|excess| **excess > MOST_TOLD).count(),
+    }
 }
 
 /// Squared residuals, less what the uncertainty of the numbers explains.
@@ -107,4 +156,24 @@ fn square(form: &Reduced, known: Option<&DMatrix<f64>>) -> f64 {
     let uncertain = known.and_then(|known| Cholesky::new(&form.curvature + known));
     let explained = uncertain.map_or(0.0, |c| form.gradient.dot(&c.solve(&form.gradient)));
     form.square - explained
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FromRest;
+
+    const fn of(windows: usize, missed: usize) -> FromRest {
+        FromRest { windows, missed }
+    }
+
+    #[test]
+    fn the_chance_is_that_of_drawing_so_many() {
+        let none = of(45, 0);
+        assert!((of(5, 0).chance(none) - 1.0).abs() < 1e-12);
+        assert!((of(5, 1).chance(none) - 0.1).abs() < 1e-12);
+        // C(5, 2) of C(50, 2) pairs.
+        assert!((of(5, 2).chance(none) - 10.0 / 1225.0).abs() < 1e-12);
+        // All five of the seven that are missed: C(7, 5) of C(50, 5).
+        assert!((of(5, 5).chance(of(45, 2)) - 21.0 / 2_118_760.0).abs() < 1e-12);
+    }
 }

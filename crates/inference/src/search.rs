@@ -140,7 +140,7 @@ fn explore(
         }
         for larger in stand_ins(&current, known) {
             if larger.score() == f64::NEG_INFINITY {
-                // A law that ends its range has started at the wrong place for the effect beside it.
+                // A number at the limit of its range may mean that the law started at the wrong place for the effect beside it.
                 start_law_again(problem, &larger, known, progress);
             }
             let extra = |name: &&&'static str| !current.effects.contains(*name);

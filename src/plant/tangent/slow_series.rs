@@ -14,7 +14,6 @@ use crate::plant::jet::RigJet;
 use crate::plant::linear_parts::LinearParts;
 use crate::plant::slow_manifold::{
     CURRENT, DISC, DISC_1, DiscMotion, Feedback, MOTOR, Regimes, SlowManifold, TWIST, TWIST_1,
-    inverse,
 };
 use crate::plant::slow_motion::derivatives_missed;
 use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
@@ -49,7 +48,7 @@ struct Coordinates<const N: usize> {
 }
 
 impl<const N: usize> Coordinates<N> {
-    fn new(manifold: SlowManifold<f64, N>) -> Option<Self> {
+    fn new((manifold, fast): (SlowManifold<f64, N>, [[f64; 2]; 2])) -> Self {
         let (l, h) = (&manifold.fast_from_slow, &manifold.slow_from_fast);
         let answer = |disc: usize| {
             std::array::from_fn(|j| {
@@ -67,12 +66,12 @@ impl<const N: usize> Coordinates<N> {
                 direct + (0..N).map(|m| l[i][m] * h[m][j]).sum::<f64>()
             })
         });
-        Some(Self {
-            fast: inverse(&manifold.fast_inverse)?,
+        Self {
             manifold,
+            fast,
             answers,
             following,
-        })
+        }
     }
 
     /// What the change of the friction's slopes makes of derivatives beside the manifold while they fade, about: velocities of D2
@@ -140,7 +139,7 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
         let found = Found {
             regimes,
             feedback,
-            coordinates: manifold.and_then(Coordinates::new).map(Box::new),
+            coordinates: manifold.map(|found| Box::new(Coordinates::new(found))),
         };
         match known {
             Some(place) => {

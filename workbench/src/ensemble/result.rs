@@ -8,7 +8,7 @@ use crate::analysis::motion::Motion;
 use crate::files::atomic::WriteError;
 use crate::files::table::Table;
 use crate::map::Point;
-use crate::map::result::motion_name;
+use crate::map::result::with_measures;
 
 /// Writes the tables `ensemble`, a line for each place, `runs`, a line for each run, and `rigs`, a line for each rig.
 pub(super) fn write(
@@ -81,23 +81,13 @@ fn table(settings: &Settings, bands: &[Bands]) -> Table {
 
 fn runs(settings: &Settings, rows: &[Vec<Point>]) -> Table {
     let places = settings.places();
-    let of = |measure: fn(&Point) -> f64| rows.iter().flatten().map(measure);
     let place = |run: usize| settings.place(run % places);
     let count = rows.len() * places;
-    Table::new(count)
+    let table = Table::new(count)
         .whole("rig", (0..count).map(|run| (run / places + 1) as i64))
         .numbers("speed_rpm", (0..count).map(|run| place(run).0))
-        .numbers("normal_force", (0..count).map(|run| place(run).1))
-        .words("motion", rows.iter().flatten().map(motion_name))
-        .numbers("velocity_minimum", of(|point| point.minimum))
-        .numbers("velocity_maximum", of(|point| point.maximum))
-        .numbers("half_amplitude", of(Point::half_amplitude))
-        .numbers("frequency", of(|point| point.frequency))
-        .numbers("stick_fraction", of(|point| point.stick_fraction))
-        .whole(
-            "switches",
-            rows.iter().flatten().map(|point| point.switches as i64),
-        )
+        .numbers("normal_force", (0..count).map(|run| place(run).1));
+    with_measures(table, rows)
 }
 
 fn rigs(settings: &Settings) -> Table {
