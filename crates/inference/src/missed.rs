@@ -131,11 +131,7 @@ fn there(fit: &Fit, unseen: Data) -> (Data, Fit) {
 
 /// Windows from rest. The model misses one that leaves more than instruments and numbers that are `known` so well explain, by as
 /// much as one window may tell.
-fn from_rest(
-    data: &Data,
-    forms: &[Option<Reduced>],
-    known: Option<&DMatrix<f64>>,
-) -> FromRest {
+fn from_rest(data: &Data, forms: &[Option<Reduced>], known: Option<&DMatrix<f64>>) -> FromRest {
     let windows = forms.iter().zip(&data.windows);
     let known_starts = windows.filter(|(_, window)| window.is_start_known());
     let excesses: Vec<f64> = known_starts
@@ -147,7 +143,10 @@ fn from_rest(
         .collect();
     FromRest {
         windows: excesses.len(),
-        missed: excesses.iter().filter(|excess| **excess > MOST_TOLD).count(),
+        missed: excesses
+            .iter()
+            .filter(|excess| **excess > MOST_TOLD)
+            .count(),
     }
 }
 
