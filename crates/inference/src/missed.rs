@@ -6,16 +6,13 @@
 
 use crate::data::Data;
 use crate::fit::Fit;
-use crate::marginal::{Disturbance, Reduced};
+use crate::marginal::Reduced;
 use crate::policy::{MOST_MISFIT, MOST_TOLD};
 use crate::problem::Problem;
-use crate::replica::replica;
+use crate::replica::{STEPS, replica};
 use crate::window::Begin;
 use nalgebra::{Cholesky, DMatrix};
 use std::sync::Arc;
-
-/// Steps in which the fitted model settles on a replica.
-const STEPS: usize = 4;
 
 /// Windows from rest, and how many of them a model misses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,7 +69,7 @@ pub(crate) struct Encounter<'a> {
 impl<'a> Encounter<'a> {
     pub fn new(problem: &'a Problem, fit: &'a Fit) -> Self {
         let held_out = problem.held_out.clone().map(|unseen| {
-            let (long, there) = there(fit, unseen);
+            let (there, long) = fit.carried_to(unseen);
             let posed = Problem {
                 long,
                 held_out: None,
@@ -107,46 +104,26 @@ impl<'a> Encounter<'a> {
             return Some(learned);
         };
         let runs = Arc::new(replica(posed, fit, seed)?);
-        let (data, there) = there(self.fit, posed.windows_of(runs, Begin::Clear));
+        let (there, data) = self.fit.carried_to(posed.windows_of(runs, Begin::Clear));
         Some(learned + from_rest(&data, &there.reduced(&data), Some(&self.known)))
     }
 }
 
-/// The fit with its numbers as they are on windows that it has not seen.
-fn there(fit: &Fit, unseen: Data) -> (Data, Fit) {
-    let data = if fit.disturbance == Disturbance::NONE {
-        unseen.undivided()
-    } else {
-        unseen
-    };
-    let there = Fit::at(
-        &data,
-        fit.hypothesis.clone(),
-        data.anchors(),
-        fit.disturbance,
-    );
-    let found = there.with_lost_starts(&data);
-    (data, found)
-}
-
-/// Windows from rest. The model misses one that leaves more than instruments and numbers that are `known` so well explain, by as
-/// much as one window may tell.
+/// Windows from rest. The model misses one that it cannot run through, or that leaves more than instruments and numbers that are `known`
+/// so well explain, by as much as one window may tell.
 fn from_rest(data: &Data, forms: &[Option<Reduced>], known: Option<&DMatrix<f64>>) -> FromRest {
+    let is_missed = |form: &Reduced| {
+        let n = form.residuals.max(1) as f64;
+        0.5 * n * (square(form, known) / (MOST_MISFIT * n)).ln() > MOST_TOLD
+    };
     let windows = forms.iter().zip(&data.windows);
-    let known_starts = windows.filter(|(_, window)| window.is_start_known());
-    let excesses: Vec<f64> = known_starts
-        .filter_map(|(form, _)| form.as_ref())
-        .map(|form| {
-            let n = form.residuals.max(1) as f64;
-            0.5 * n * (square(form, known) / (MOST_MISFIT * n)).ln()
-        })
+    let from_rest = windows.filter(|(_, window)| window.is_start_known());
+    let each: Vec<bool> = from_rest
+        .map(|(form, _)| form.as_ref().is_none_or(is_missed))
         .collect();
     FromRest {
-        windows: excesses.len(),
-        missed: excesses
-            .iter()
-            .filter(|excess| **excess > MOST_TOLD)
-            .count(),
+        windows: each.len(),
+        missed: each.into_iter().filter(|missed| *missed).count(),
     }
 }
 
