@@ -224,12 +224,6 @@ impl Fit {
         reduced(data, &self.starts, &self.grams, &self.disturbance)
     }
 
-    /// How well `data` and priors tell the free numbers: the inverse of their covariance.
-    #[must_use]
-    pub fn curvature(&self, data: &Data) -> DMatrix<f64> {
-        self.normal_equations(&self.reduced(data)).0
-    }
-
     fn normal_equations(&self, forms: &[Option<Reduced>]) -> (DMatrix<f64>, DVector<f64>) {
         loss::normal_equations(
             forms.iter().flatten(),
