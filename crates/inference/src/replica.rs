@@ -3,12 +3,12 @@
 //! What a right model leaves of such records nobody has to explain: noise, an error of each level of the load, friction that
 //! fluctuates and throws windows from one branch of a law to the other.
 
+use crate::data::Data;
 use crate::fit::Fit;
 use crate::marginal::Disturbance;
 use crate::problem::Problem;
 use crate::random::Random;
 use crate::record::{CHANNELS, Run, channel};
-use crate::structure::{Structure, structures};
 use crate::trace::{Traces, traces};
 use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, index};
@@ -26,12 +26,10 @@ const READ: [usize; CHANNELS] = [
     index::OMEGA1,
 ];
 
-/// The structure that `fit` leaves of replica number `seed`, strongest first; `None` where the model cannot run through the
-/// records.
+/// `fit` settled on replica number `seed`, and the windows of that; `None` where the model cannot run through the records.
 #[must_use]
-pub fn left_of_replica(problem: &Problem, fit: &Fit, seed: u64) -> Option<Vec<Structure>> {
-    let (refitted, data) = fit.settled(problem, replica(problem, fit, seed)?, STEPS);
-    Some(structures(&data.divided(), &refitted))
+pub fn settled_on_replica(problem: &Problem, fit: &Fit, seed: u64) -> Option<(Fit, Data)> {
+    Some(fit.settled(problem, replica(problem, fit, seed)?, STEPS))
 }
 
 /// Replica number `seed` of the records, from the first window of each on; `None` where the model cannot run through them.

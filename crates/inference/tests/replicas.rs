@@ -9,7 +9,8 @@ use inference::marginal::Disturbance;
 use inference::policy::LN_PRIOR_ODDS;
 use inference::problem::{Catalogue, Problem};
 use inference::record::channel;
-use inference::replica::{left_of_replica, replica};
+use inference::replica::{replica, settled_on_replica};
+use inference::structure::structures;
 use inference::window::Begin;
 use stickslip::plant::Rig;
 
@@ -56,7 +57,8 @@ fn a_right_model_leaves_the_instruments_noise_of_a_replica() {
         .improved(&data, 4)
         .typical_misfit(&data);
         assert!((0.8..1.2).contains(&misfit), "{relative}: {misfit}");
-        let left = left_of_replica(&problem, &fit, 1).unwrap();
+        let (settled, data) = settled_on_replica(&problem, &fit, 1).unwrap();
+        let left = structures(&data.divided(), &settled);
         assert!(left[0].gain < -LN_PRIOR_ODDS, "{:?}", left[0]);
     }
 }

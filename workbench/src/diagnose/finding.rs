@@ -195,12 +195,12 @@ pub struct CheckResult {
     pub p_value: Option<f64>,
     /// Squared residuals over their number: about 1 where nothing but noise is left.
     pub misfit: f64,
-    /// Windows that start from rest, in the records and the held-out one.
+    /// Windows of the records.
     #[serde(default)]
-    pub windows_from_rest: usize,
+    pub windows: usize,
     /// How many of them the model misses.
     #[serde(default)]
-    pub missed_from_rest: usize,
+    pub missed_windows: usize,
     /// The most that a free torque over one coordinate gains in log evidence.
     pub structure: f64,
 }

@@ -119,8 +119,8 @@ fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<
     finding.check = Some(CheckResult {
         p_value: found.check.p_value,
         misfit: finite(found.check.misfit).unwrap_or_default(),
-        windows_from_rest: found.check.from_rest.windows,
-        missed_from_rest: found.check.from_rest.missed,
+        windows: found.check.missed.windows,
+        missed_windows: found.check.missed.missed,
         structure: finite(found.check.structure).unwrap_or_default(),
     });
     finding.notes.extend(fates(found));
