@@ -5,7 +5,7 @@ use super::model::Model;
 use super::model_file::Measurement;
 use super::motion::{Motion, Scales};
 use super::problem::Problem;
-use super::term::{MOST_PARAMETERS, Sample};
+use super::term::Sample;
 use stickslip::body::Dimension;
 
 /// Order of the low-pass that both forces go through.
@@ -27,6 +27,8 @@ pub struct Balance {
     nominal: Vec<f64>,
     /// Residual that weighs as much as one standard deviation of such a parameter.
     known: f64,
+    /// What a residual at each port of an FMU counts; 1 where none is given.
+    weights: Vec<f64>,
 }
 
 #[derive(Debug, Clone)]
@@ -64,8 +66,9 @@ impl Balance {
                 let stride = (1.0 / (measurement.compare_rate * motion.interval))
                     .round()
                     .max(1.0) as usize;
-                let filter = measurement
-                    .compare_low_pass
+                let filter = motion
+                    .cut_off
+                    .or(measurement.compare_low_pass)
                     .map(|cut_off| LowPass::new(cut_off, ORDER, motion.interval));
                 let mut prepared = Prepared {
                     motion: motion.clone(),
@@ -95,13 +98,59 @@ impl Balance {
         let seconds: f64 = prepared.iter().map(|p| p.motion.seconds()).sum();
         let count = ((seconds / (FOLD * scales.period)).round() as usize).clamp(3, MOST_FOLDS);
         let total: usize = pieces.iter().sum();
+        let folds = if prepared.iter().all(|p| p.motion.port == 0) {
+            (0..total).map(|at| at * count / total.max(1)).collect()
+        } else {
+            folds_by_time(&prepared, &pieces, count)
+        };
         Self {
-            folds: (0..total).map(|at| at * count / total.max(1)).collect(),
+            folds,
             records: prepared,
             piece,
             nominal: Vec::new(),
             known: 0.0,
+            weights: Vec::new(),
         }
+    }
+
+    /// The same where a residual at each port of an FMU counts so much.
+    #[must_use]
+    pub fn weighing(mut self, weights: &[f64]) -> Self {
+        self.weights = weights.to_vec();
+        self
+    }
+
+    /// What is at one port of an FMU.
+    #[must_use]
+    pub fn at_port(&self, port: usize) -> Self {
+        let is_there = self.pieces_at(port);
+        let folds = self.folds.iter().zip(is_there);
+        Self {
+            folds: folds.filter(|(_, own)| *own).map(|(fold, _)| *fold).collect(),
+            records: self
+                .records
+                .iter()
+                .filter(|own| own.motion.port == port)
+                .cloned()
+                .collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Of each piece, whether it is at this port.
+    #[must_use]
+    pub fn pieces_at(&self, port: usize) -> Vec<bool> {
+        self.records
+            .iter()
+            .flat_map(|own| {
+                let pieces = own.measured.len().div_ceil(self.piece);
+                vec![own.motion.port == port; pieces]
+            })
+            .collect()
+    }
+
+    fn weight(&self, record: &Prepared) -> f64 {
+        self.weights.get(record.motion.port).copied().unwrap_or(1.0)
     }
 
     /// The same where the base's numbers are known from `model`, to the deviations that its parameters state; `known` is the residual
@@ -120,7 +169,7 @@ impl Balance {
         let mut all = Vec::new();
         for record in &self.records {
             let forces = record.model_force(model);
-            let lightness = record.lightness(model);
+            let lightness = record.lightness(model) * self.weight(record);
             for (at, (measured, force)) in record.measured.iter().zip(forces).enumerate() {
                 all.push(Compared {
                     sample: record.sample(record.edge + record.kept[at] * record.stride, 0.0),
@@ -190,10 +239,34 @@ impl Prepared {
             predicted: between(&motion.predicted),
             voltage: motion.voltage[at],
             connected: motion.connected[at],
-            slopes: self.slopes(at),
-            nominal: motion.pursuit.as_ref().map_or(0.0, |own| own.nominal[at]),
-            ..Sample::default()
+            port: motion.port,
+            ..self.of_pursuit(at)
         }
+    }
+
+    /// What a moment has of an FMU's.
+    fn of_pursuit(&self, at: usize) -> Sample {
+        let mut sample = Sample::default();
+        let Some(pursuit) = &self.motion.pursuit else {
+            return sample;
+        };
+        let all = pursuit.slopes.iter().zip(&pursuit.at);
+        let places = sample.slopes.iter_mut().zip(&mut sample.drifts);
+        for ((slope, drift), (series, value)) in places.zip(all) {
+            *slope = series[at];
+            *drift = series[at] * value;
+        }
+        for (offset, series) in sample.offsets.iter_mut().zip(&pursuit.offsets) {
+            *offset = series[at];
+        }
+        for (link, own) in sample.links.iter_mut().zip(&pursuit.links) {
+            if let Some(own) = own {
+                *link = [own.position[at], own.velocity[at]];
+            }
+        }
+        sample.nominal = pursuit.nominal[at];
+        sample.own_friction = pursuit.friction[at];
+        sample
     }
 
     /// The port's inertia of the FMU over that of a model. Noise is that of the motion, which the inertia makes a
@@ -210,9 +283,14 @@ impl Prepared {
         let more: f64 = moved.map(|((value, at), slope)| (value - at) * slope).sum();
         let accelerated = Sample {
             acceleration: 1.0,
+            port: self.motion.port,
             ..Sample::default()
         };
-        let added = model.force(&accelerated) - model.force(&Sample::default());
+        let still = Sample {
+            port: self.motion.port,
+            ..Sample::default()
+        };
+        let added = model.force(&accelerated) - model.force(&still);
         let inertia = pursuit.inertia + more + added;
         if inertia > 0.0 {
             pursuit.inertia / inertia
@@ -221,25 +299,24 @@ impl Prepared {
         }
     }
 
-    fn slopes(&self, at: usize) -> [f64; MOST_PARAMETERS] {
-        let mut slopes = [0.0; MOST_PARAMETERS];
-        if let Some(pursuit) = &self.motion.pursuit {
-            for (slope, series) in slopes.iter_mut().zip(&pursuit.slopes) {
-                *slope = series[at];
-            }
-        }
-        slopes
-    }
-
     fn model_force(&self, model: &Model) -> Vec<f64> {
         let inertia = if model.kind.runs_alone() { 1.0 } else { 0.0 };
         // What is read now was there `delay` ago: the motion that goes with this force is read later.
-        let found_at = self.motion.pursuit.as_ref().map_or(0.0, |own| own.at_delay);
-        let delay = model.delay() - found_at;
-        let shift = delay / self.motion.interval;
-        let delayed = |at: usize| match &self.motion.pursuit {
-            Some(pursuit) => delay * pursuit.delayed[at],
-            None => 0.0,
+        let port = self.motion.port;
+        let later: Vec<f64> = match &self.motion.pursuit {
+            Some(pursuit) => {
+                let delays = pursuit.at_delays.iter().enumerate();
+                delays.map(|(at, found_at)| model.delay(at) - found_at).collect()
+            }
+            None => vec![model.delay(port)],
+        };
+        let shift = later.get(port).map_or(0.0, |own| own / self.motion.interval);
+        let delayed = |at: usize| -> f64 {
+            let Some(pursuit) = &self.motion.pursuit else {
+                return 0.0;
+            };
+            let all = later.iter().zip(&pursuit.delayed);
+            all.map(|(delay, series)| delay * series[at]).sum()
         };
         let encoder = model.eccentricity();
         let force: Vec<f64> = (0..self.motion.len())
@@ -261,12 +338,33 @@ impl Prepared {
     }
 }
 
+/// Folds of pieces that were measured at the same time at several ports: left out together.
+fn folds_by_time(prepared: &[Prepared], pieces: &[usize], count: usize) -> Vec<usize> {
+    let ports = prepared.iter().map(|own| own.motion.port + 1).max();
+    let seconds = || prepared.iter().map(|own| own.motion.seconds());
+    // Each record stands there once for every port.
+    let total = seconds().sum::<f64>() / ports.unwrap_or(1) as f64;
+    let mut folds = Vec::new();
+    let mut begin = 0.0;
+    for ((own, &pieces), seconds) in prepared.iter().zip(pieces).zip(seconds()) {
+        for piece in 0..pieces {
+            let part = (piece as f64 + 0.5) / pieces as f64;
+            let at = (begin + part * seconds) / total;
+            folds.push(((at * count as f64) as usize).min(count - 1));
+        }
+        if Some(own.motion.port + 1) == ports {
+            begin += seconds;
+        }
+    }
+    folds
+}
+
 impl Problem for Balance {
     fn residuals(&self, model: &Model) -> Vec<Vec<f64>> {
         let mut pieces = Vec::with_capacity(self.folds.len());
         for record in &self.records {
             let forces = record.model_force(model);
-            let lightness = record.lightness(model);
+            let lightness = record.lightness(model) * self.weight(record);
             for (measured, forces) in record
                 .measured
                 .chunks(self.piece)

@@ -18,6 +18,20 @@ pub struct Column {
     pub factor: Option<f64>,
 }
 
+impl Column {
+    /// The column as a table of one line.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let factor = self
+            .factor
+            .map_or(String::new(), |factor| format!(", factor = {factor:?}"));
+        format!(
+            "{{ column = {:?}, unit = {:?}{factor} }}",
+            self.column, self.unit
+        )
+    }
+}
+
 /// The columns of a record by quantity.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -235,8 +249,8 @@ impl Columns {
             _ if self.predicted.is_some() && kind != Kind::Balance => {
                 Some("predicted belongs to a balance alone; leave the line out")
             }
-            _ if self.load.is_some() && kind != Kind::Contact => {
-                Some("load belongs to a contact alone; leave the line out")
+            _ if self.load.is_some() && !matches!(kind, Kind::Contact | Kind::Fmu) => {
+                Some("load belongs to a contact or an FMU; leave the line out")
             }
             _ => None,
         };

@@ -11,10 +11,10 @@ use build_fmu::library::{self, Library};
 use build_fmu::platform::FmiVersion;
 
 use super::amend::{amended_text, described, named};
-use super::case::{NO_FMU, SmallCase, check_effect, load};
+use super::case::{NO_FMU, SmallCase, load};
 use super::console::screen;
 use super::finding::SmallFinding;
-use super::fmu::wrapper;
+use super::fmu::wrapper::{self, WrapperError};
 use super::model::Model;
 use super::model_file::SmallModel;
 use super::naming::{Naming, fit_base, fit_with, name as name_effects, shows};
@@ -97,15 +97,18 @@ pub fn run(
             progress("the FMU with the effects");
             let libraries = std::mem::take(&mut libraries);
             let amended = SmallModel::parse(&text, AMENDED)?;
-            let wrapped = wrapper::build(&amended, AMENDED, out, libraries, out)?;
-            found
-                .finding
-                .notes
-                .extend(wrapped.left_out.iter().map(|name| {
-                format!(
-                    "{name} is an effect of the readings; the FMU with the effects does not have it"
-                )
-            }));
+            let notes = &mut found.finding.notes;
+            match wrapper::build(&amended, AMENDED, out, libraries, out) {
+                Ok(wrapped) => notes.extend(wrapped.left_out.iter().map(|name| {
+                    format!(
+                        "{name} is an effect of the readings; the FMU with the effects does not have it"
+                    )
+                })),
+                Err(error @ WrapperError::Elsewhere { .. }) => {
+                    notes.push(format!("{NO_FMU}: {error}"));
+                }
+                Err(error) => return Err(error.into()),
+            }
         }
     }
     if stage == Stage::Show {
@@ -252,7 +255,7 @@ fn entries(case: &SmallCase, effects: &[String]) -> anyhow::Result<Vec<&'static 
     effects
         .iter()
         .map(|name| {
-            let entry = check_effect(name, &case.supposed)
+            let entry = case.effect(name)
                 .map_err(|what| anyhow!("--effect {name}: {what}"))?;
             Some(entry)
                 .filter(|entry| entry.fits(model.kind, model.path, has_load) && !model.has(name))

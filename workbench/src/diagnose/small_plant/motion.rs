@@ -38,8 +38,21 @@ pub struct Motion {
     pub connected: Vec<f64>,
     /// Whether the moment says something of the forces: at rest friction takes any force up to breakaway.
     pub tells: Vec<bool>,
+    /// Which of an FMU's ports it is of.
+    pub port: usize,
+    /// Frequency below which its forces are compared, where that is not `[measurement]`'s [Hz].
+    pub cut_off: Option<f64>,
     /// What is particular to an FMU's missing force.
     pub pursuit: Option<Pursuit>,
+}
+
+/// Motion of one port relative to the next.
+#[derive(Debug, Clone)]
+pub struct Relative {
+    /// Difference of the positions [m or rad].
+    pub position: Vec<f64>,
+    /// Difference of the velocities [m/s or rad/s].
+    pub velocity: Vec<f64>,
 }
 
 /// How an FMU's missing force changes with what is uncertain, and where it says something.
@@ -47,8 +60,8 @@ pub struct Motion {
 pub struct Pursuit {
     /// Values of the uncertain parameters at which it was found.
     pub at: Vec<f64>,
-    /// Delay of the motion's readings at which it was found [s].
-    pub at_delay: f64,
+    /// Delays of the readings at each port at which it was found [s].
+    pub at_delays: Vec<f64>,
     /// By how much it falls as each uncertain parameter grows [N or N m over the parameter's unit].
     pub slopes: Vec<Vec<f64>>,
     /// The same times those values, summed [N or N m].
@@ -59,8 +72,14 @@ pub struct Pursuit {
     pub sense: f64,
     /// How the inertia grows with each uncertain parameter.
     pub inertia_slopes: Vec<f64>,
-    /// By how much it falls as the motion is read later [N/s or N m/s].
-    pub delayed: Vec<f64>,
+    /// By how much it falls as the motion at each port is read later [N/s or N m/s].
+    pub delayed: Vec<Vec<f64>>,
+    /// By how much it falls as the columns that may be off by a constant grow [N or N m over the column's unit].
+    pub offsets: Vec<Vec<f64>>,
+    /// The FMU's own friction against the motion [N or N m]; zero where no output gives it.
+    pub friction: Vec<f64>,
+    /// Motion of the port before relative to this, and of this relative to the port after.
+    pub links: [Option<Relative>; 2],
 }
 
 /// Usual sizes of what is in a record: root mean squares.
@@ -80,6 +99,10 @@ pub struct Scales {
     pub duration: f64,
     /// Voltage of a motor [V]; 1 where there is none.
     pub voltage: f64,
+    /// Position of one port relative to the next, about its mean [m or rad]; 0 where there are not several.
+    pub twist: f64,
+    /// Velocity of one port relative to the next [m/s or rad/s]; 0 where there are not several.
+    pub twist_rate: f64,
 }
 
 /// What of the motion was measured.
@@ -141,6 +164,8 @@ impl Motion {
             voltage: vec![0.0; count],
             connected: vec![0.0; count],
             tells: vec![true; count],
+            port: 0,
+            cut_off: None,
             pursuit: None,
         }
     }
@@ -222,12 +247,19 @@ impl Scales {
         let force = root_mean_square(&unexplained);
         let speed = root_mean_square(&over(|m| &m.velocity));
         let voltage = root_mean_square(&over(|m| &m.voltage));
+        let links = records.iter().filter_map(|m| m.pursuit.as_ref()?.links[1].as_ref());
+        let twist: Vec<f64> = links.clone().flat_map(|own| own.position.clone()).collect();
+        let twist_rate: Vec<f64> = links.flat_map(|own| own.velocity.clone()).collect();
+        let straight = twist.iter().sum::<f64>() / twist.len().max(1) as f64;
+        let twist: Vec<f64> = twist.iter().map(|x| x - straight).collect();
         Self {
             position: root_mean_square(&about),
             speed,
             period: TAU * speed / acceleration,
             duration: records.iter().map(Motion::seconds).fold(0.0, f64::max),
             acceleration,
+            twist: root_mean_square(&twist),
+            twist_rate: root_mean_square(&twist_rate),
             voltage: if voltage > 0.0 { voltage } else { 1.0 },
             force: if force > 0.0 { force } else { acceleration },
         }

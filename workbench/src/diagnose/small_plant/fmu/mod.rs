@@ -6,6 +6,7 @@
 //! ([`worker`]): an FMU that crashes or hangs takes nothing down. [`wrapper`] makes the FMU with the effects inside.
 
 pub mod missing;
+pub mod places;
 pub mod plant;
 pub mod ports;
 pub mod pursuit;

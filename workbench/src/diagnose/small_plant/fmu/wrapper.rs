@@ -17,8 +17,10 @@ use crate::diagnose::report::markup::escape;
 use crate::diagnose::small_plant::base::PARAMETERS;
 use crate::diagnose::small_plant::model::Term;
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::term::{Formula, Role};
+use crate::diagnose::small_plant::equation::uses;
+use crate::diagnose::small_plant::term::{Formula, Place, Role};
 use stickslip::body::Kind;
+use stickslip::body::coordinate::FRICTION;
 
 /// Beginning of the names that the original does not have.
 const PREFIX: &str = "effects";
@@ -50,6 +52,19 @@ pub enum WrapperError {
         file: String,
         /// The key.
         key: &'static str,
+    },
+    /// An effect that does not act through one port alone.
+    #[error(
+        "{file}: {effect} {what}; an FMU can have the effects of one port, with forces over time and the motion there. Leave it out, \
+         or build it into the FMU itself"
+    )]
+    Elsewhere {
+        /// The ports file.
+        file: String,
+        /// The effect.
+        effect: &'static str,
+        /// Where it acts.
+        what: &'static str,
     },
     /// A number that cannot be.
     #[error("{file}: [port] {key} = {value} must be {expected}")]
@@ -131,7 +146,10 @@ pub fn build(
         }
         .into());
     };
+    let at = place_of(model, file)?;
+    let port = &ports.ports[at];
     let plant = Plant::find(model, ports, file, directory)?;
+    let place = &plant.places[at];
     let archive = Archive::unpack(&plant.file)?;
     let bytes = read(&archive.directory().join(DESCRIPTION))?;
     let text = String::from_utf8_lossy(&bytes).into_owned();
@@ -150,12 +168,11 @@ pub fn build(
         value,
         expected,
     };
-    let inertia = ports.port.inertia.ok_or_else(|| lacks("inertia"))?;
+    let inertia = port.inertia.ok_or_else(|| lacks("inertia"))?;
     if !inertia.is_finite() || inertia == 0.0 {
         return Err(wrong("inertia", inertia, "a finite number other than 0"));
     }
-    let step = ports
-        .port
+    let step = port
         .coupling_step
         .ok_or_else(|| lacks("coupling_step"))?;
     if !(step.is_finite() && step > 0.0) {
@@ -178,7 +195,7 @@ pub fn build(
         "s",
         step,
     );
-    let force_unit = &original.description.variables[plant.port().0].unit;
+    let force_unit = &original.description.variables[place.input.0].unit;
     let force = making.computed(
         "force",
         "force that the effects add to the port's input",
@@ -213,10 +230,10 @@ pub fn build(
             .map(|(at, value)| (reference(*at), *value))
             .collect(),
         port: WrappedPort {
-            input: placed(plant.port()),
-            start: variables[plant.port().0].start.unwrap_or(0.0),
-            position: plant.position().map(placed),
-            velocity: plant.velocity().map(placed),
+            input: placed(place.input),
+            start: variables[place.input.0].start.unwrap_or(0.0),
+            position: place.position.map(placed),
+            velocity: place.velocity.map(placed),
             inertia,
         },
         coupling_step,
@@ -273,6 +290,43 @@ pub fn build(
         size: bytes.len(),
         left_out,
     })
+}
+
+/// The port at which all effects of a model act.
+fn place_of(model: &SmallModel, file: &str) -> Result<usize, WrapperError> {
+    let mut at = None;
+    let knows_friction = model
+        .ports
+        .iter()
+        .flat_map(|ports| &ports.ports)
+        .any(|port| port.friction.is_some());
+    for term in model.model.terms().iter().filter(|term| term.entry.name != PARAMETERS) {
+        let elsewhere = |what| WrapperError::Elsewhere {
+            file: file.to_owned(),
+            effect: term.entry.name,
+            what,
+        };
+        match (term.entry.formula, term.entry.place, term.entry.role) {
+            (_, _, Role::Shift | Role::Reading) => {}
+            (Formula::Equation { operations, .. }, _, _)
+                if knows_friction && uses(operations, FRICTION) =>
+            {
+                return Err(elsewhere("changes the friction inside the FMU"));
+            }
+            (Formula::Equation { .. }, Place::Everywhere, _) => {}
+            (Formula::Equation { .. }, Place::Port(own), _) => {
+                if at.replace(own).is_some_and(|other| other != own) {
+                    return Err(elsewhere("acts at another port than the effects before it"));
+                }
+            }
+            (_, Place::Link(_), _) => return Err(elsewhere("acts between two ports")),
+            (Formula::Repeats(_), _, _) => {
+                return Err(elsewhere("repeats within a turn, for which there is no equation"));
+            }
+            _ => return Err(elsewhere("changes something inside the FMU")),
+        }
+    }
+    Ok(at.unwrap_or(0))
 }
 
 struct Original {
