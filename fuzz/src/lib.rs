@@ -9,9 +9,10 @@ use build_fmu::binary_header;
 use build_fmu::lint::{self, Loading, Package};
 use build_fmu::platform::FmiVersion;
 use build_fmu::symbols;
+use stickslip::body::{self, Kind};
 use stickslip::cosim::state::{seal, unseal};
-use stickslip::cosim::{StateReader, open};
-use stickslip::plant::Rig;
+use stickslip::cosim::{Causality, StateReader, open};
+use stickslip::plant::{Rig, Supposition};
 use workbench::calibrate::journal::Journal as Judgements;
 use workbench::calibrate::target::Target as Calibration;
 use workbench::component::Fmu;
@@ -27,6 +28,22 @@ use workbench::map::Journal;
 
 /// The component whose states are fuzzed.
 const REDUCED_RIG: &str = include_str!("../../modelDescription/reduced-rig.toml");
+/// A rig with all ports at which an effect can act.
+const FULL_RIG: &str = include_str!("../../modelDescription/full-rig.toml");
+/// A small plant with all coordinates on which an effect of a run can depend.
+const JOINT: &str = r#"
+[plant]
+kind = "joint"
+path = "turn"
+[joint]
+stiffness = 72.0
+rest = 0.0
+viscous = 1.0
+gain = 15.0
+back_emf = 10.0
+[coulomb_friction]
+force = 4.0
+"#;
 /// A rig with the law that calibrations are about.
 const TWO_GAUSSIAN_RIG: &str = include_str!("../../workbench/targets/eq-6-2-rig.toml");
 /// A case for findings to be about.
@@ -39,7 +56,7 @@ const CASE: &str = concat!(
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const TARGETS: [Target; 10] = [
+pub const TARGETS: [Target; 11] = [
     ("state", state),
     ("model", model),
     ("record", record),
@@ -48,6 +65,7 @@ pub const TARGETS: [Target; 10] = [
     ("binary", binary),
     ("calibration", calibration),
     ("small", small),
+    ("effect", effect),
     ("finding", found),
     ("journal", journal),
 ];
@@ -140,6 +158,49 @@ pub fn calibration(bytes: &[u8]) {
 /// The text of a small plant's model file.
 pub fn small(bytes: &[u8]) {
     let _ = SmallModel::parse(&String::from_utf8_lossy(bytes), "model.toml");
+}
+
+/// A file of effects: read as `--catalogue` reads it, for rigs and for small plants, and each equation evaluated; then as sections of a
+/// rig's and of a joint's model file, and where those are models, started and stepped.
+pub fn effect(bytes: &[u8]) {
+    const VALUES: [f64; 7] = [0.0, 1.0, -1.0, 0.3, -2e6, 1e300, f64::MIN_POSITIVE];
+    let text = String::from_utf8_lossy(bytes);
+    if let Ok(all) = Supposition::read_all(&text, "effect.toml") {
+        for Supposition { definition, .. } in all {
+            let numbers = vec![0.7; definition.infos().len()];
+            for value in VALUES {
+                let _ = definition.value(
+                    |coordinate| value * (1.0 + coordinate as u8 as f64),
+                    &numbers,
+                );
+            }
+        }
+    }
+    for described in body::read_effects(&text, "effect.toml").unwrap_or_default() {
+        for kind in Kind::ALL {
+            for path in [body::Path::Line, body::Path::Turn] {
+                let _ = described.effect("effect.toml", kind, path);
+            }
+        }
+    }
+    for plant in [FULL_RIG, JOINT] {
+        under_way(&format!("{plant}\n{text}"));
+    }
+}
+
+/// A model with effects of its own, driven: its first hundredth of a second.
+fn under_way(text: &str) {
+    let Ok(mut model) = open(text, "model.toml") else {
+        return;
+    };
+    for variable in model.table().variables().to_vec() {
+        if variable.causality == Causality::Input {
+            let _ = model.set_real(variable.value_reference, 5.0);
+        }
+    }
+    if model.initialise().is_ok() {
+        let _ = model.step(model.time() + 1e-2, false);
+    }
 }
 
 /// A `finding.json`: read, shown, and made into an amended model.

@@ -66,7 +66,8 @@ pub fn quantities(kind: Kind, path: Path) -> Vec<Quantity> {
             place,
             dimension,
             is_positive: false,
-            is_rate: *name == "velocity",
+            // What friction and a motor's torque are depends on the velocity.
+            is_rate: [VELOCITY, FRICTION, MOTOR].contains(&place),
         })
         .collect()
 }

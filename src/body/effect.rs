@@ -321,6 +321,7 @@ impl Described {
             .ok_or_else(|| self.wrong(file, "path", &format!("{word:?}"), "\"line\" or \"turn\""))
     }
 
+    #[cold]
     fn wrong(&self, file: &str, key: &str, found: &str, expected: &str) -> FileError {
         FileError::Value {
             file: file.to_owned(),

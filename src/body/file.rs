@@ -325,6 +325,7 @@ impl<'a> Reader<'a> {
 
     /// The refusal of a value.
     #[must_use]
+    #[cold]
     pub fn wrong(&self, section: &str, key: &str, found: &str, expected: &str) -> FileError {
         FileError::Value {
             file: self.file.to_owned(),

@@ -17,8 +17,13 @@ impl Interval {
         high: f64::INFINITY,
     };
 
-    const fn new(low: f64, high: f64) -> Self {
-        Self { low, high }
+    /// From `low` to `high`; a bound that is no number, as ∞ − ∞ gives, is none.
+    fn new(low: f64, high: f64) -> Self {
+        let or = |bound: f64, none: f64| if bound.is_nan() { none } else { bound };
+        Self {
+            low: or(low, f64::NEG_INFINITY),
+            high: or(high, f64::INFINITY),
+        }
     }
 
     fn holds_zero(self) -> bool {

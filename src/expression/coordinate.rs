@@ -13,7 +13,7 @@ pub struct Quantity {
     pub dimension: Dimension,
     /// Whether it is never below zero.
     pub is_positive: bool,
-    /// Whether a force changes its rate at once: a jump there is dry friction, which can hold it.
+    /// Whether a force changes its rate at once, or that of what it depends on: a jump there is dry friction, which can hold it.
     pub is_rate: bool,
 }
 

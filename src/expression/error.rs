@@ -13,6 +13,7 @@ pub struct ExpressionError {
 }
 
 impl ExpressionError {
+    #[cold]
     pub(super) fn new(column: usize, reason: impl Into<String>) -> Self {
         Self {
             column,

@@ -103,26 +103,23 @@ pub fn parse(text: &str, names: &Names<'_>) -> Result<Program, ExpressionError> 
 
 /// Refuses jumps over what a torque changes at once: the motion would stick there, and only a contact can.
 fn check_jumps(program: &Program, names: &Names<'_>) -> Result<(), ExpressionError> {
+    let is_rate = |place: usize| names.coordinate(place).is_some_and(|own| own.is_rate);
+    // Whether each operation depends on a rate. Each is looked at once: powers of powers reach what they depend on by more ways
+    // than anybody can go.
+    let mut depends: Vec<bool> = Vec::with_capacity(program.operations.len());
     for (operation, &column) in program.operations.iter().zip(&program.columns) {
         if let Operation::Sign(argument, _) = operation
-            && depends_on_rate(program, *argument, names)
+            && depends[*argument]
         {
             let reason = "sign jumps where its argument passes zero, and a motion that depends on a velocity or a current \
                           would stay there without an event; write velocity*abs(velocity) or tanh(velocity/width), or dry friction \
                           that sticks exactly: [bearing_friction] of a rig, the coordinate direction of a small plant";
             return Err(ExpressionError::new(column, reason));
         }
+        let is_one = matches!(operation, Operation::Coordinate(place) if is_rate(*place));
+        depends.push(is_one || operation.operands().any(|operand| depends[operand]));
     }
     Ok(())
-}
-
-fn depends_on_rate(program: &Program, node: usize, names: &Names<'_>) -> bool {
-    let operation = &program.operations[node];
-    let is_rate = |place| names.coordinate(place).is_some_and(|own| own.is_rate);
-    matches!(operation, Operation::Coordinate(place) if is_rate(*place))
-        || operation
-            .operands()
-            .any(|operand| depends_on_rate(program, operand, names))
 }
 
 struct Parser<'a> {
@@ -134,6 +131,7 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
+    #[cold]
     fn error(&self, reason: impl Into<String>) -> ExpressionError {
         ExpressionError::new(self.at + 1, reason)
     }

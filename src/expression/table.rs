@@ -47,8 +47,18 @@ pub enum TableError {
         /// How many y.
         y: usize,
     },
-    /// An x that does not lie above the one before it, or is no number.
-    #[error("table {name}: x[{place}] = {value} must be a finite number above x[{}] = {before}", place - 1)]
+    /// An x that is no number.
+    #[error("table {name}: x[{place}] = {value:?} must be a finite number")]
+    Knot {
+        /// The table.
+        name: String,
+        /// Which x.
+        place: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// An x that does not lie above the one before it.
+    #[error("table {name}: x[{place}] = {value:?} must lie above x[{}] = {before:?}", place.saturating_sub(1))]
     Unsorted {
         /// The table.
         name: String,
@@ -59,8 +69,23 @@ pub enum TableError {
         /// The one before.
         before: f64,
     },
+    /// Points so near or so far apart that what lies between them is no number.
+    #[error(
+        "table {name}: between x[{place}] = {from:?} and the next point at {to:?} the slope is too large for a number; \
+         put the points further apart or the values nearer to each other"
+    )]
+    Steep {
+        /// The table.
+        name: String,
+        /// The x at which the piece begins.
+        place: usize,
+        /// Its value.
+        from: f64,
+        /// Where the piece ends.
+        to: f64,
+    },
     /// A value that is no number.
-    #[error("table {name}: y[{place}] = {value} must be a finite number")]
+    #[error("table {name}: y[{place}] = {value:?} must be a finite number")]
     Value {
         /// The table.
         name: String,
@@ -71,7 +96,7 @@ pub enum TableError {
     },
     /// A period that does not hold all points.
     #[error(
-        "table {name}: period = {period} must be above x[last] − x[0] = {span}; the first point returns by itself"
+        "table {name}: period = {period:?} must be above x[last] − x[0] = {span:?}; the first point returns by itself"
     )]
     Period {
         /// The table.
@@ -105,17 +130,19 @@ impl Table {
             });
         }
         for place in 0..x.len() {
-            let before = if place == 0 {
-                f64::NEG_INFINITY
-            } else {
-                x[place - 1]
-            };
-            if !x[place].is_finite() || x[place] <= before {
+            if !x[place].is_finite() {
+                return Err(TableError::Knot {
+                    name: owned(),
+                    place,
+                    value: x[place],
+                });
+            }
+            if place > 0 && x[place] <= x[place - 1] {
                 return Err(TableError::Unsorted {
                     name: owned(),
                     place,
                     value: x[place],
-                    before,
+                    before: x[place - 1],
                 });
             }
             if !y[place].is_finite() {
@@ -143,7 +170,7 @@ impl Table {
             Interpolation::Linear => vec![0.0; knots.len()],
             Interpolation::Spline => curvatures(&knots, &values, period.is_some()),
         };
-        let pieces = (0..knots.len() - 1)
+        let pieces: Vec<[f64; 4]> = (0..knots.len() - 1)
             .map(|j| {
                 let width = knots[j + 1] - knots[j];
                 let (here, next) = (curvatures[j], curvatures[j + 1]);
@@ -155,6 +182,15 @@ impl Table {
                 ]
             })
             .collect();
+        let is_steep = |piece: &[f64; 4]| piece.iter().any(|coefficient| !coefficient.is_finite());
+        if let Some(place) = pieces.iter().position(is_steep) {
+            return Err(TableError::Steep {
+                name: owned(),
+                place,
+                from: knots[place],
+                to: knots[place + 1],
+            });
+        }
         Ok(Self {
             name: owned(),
             argument,
@@ -350,10 +386,19 @@ mod tests {
             new(&[1.0, 0.5], &[1.0; 2], None),
             TableError::Unsorted { place: 1, .. }
         ));
-        assert!(matches!(
-            new(&[0.0, f64::NAN], &[1.0; 2], None),
-            TableError::Unsorted { .. }
-        ));
+        for x in [f64::NAN, f64::INFINITY] {
+            for (place, points) in [(0, [x, 1.0]), (1, [0.0, x])] {
+                let error = new(&points, &[1.0; 2], None);
+                let words = format!("table f: x[{place}] = {x} must be a finite number");
+                assert_eq!(error.to_string(), words);
+            }
+        }
+        for x in [[0.0, 1e-320], [-1e308, 1e308]] {
+            assert!(matches!(
+                new(&x, &[-1e308, 1e308], None),
+                TableError::Steep { place: 0, .. }
+            ));
+        }
         assert!(matches!(
             new(&[0.0, 1.0], &[1.0, f64::NAN], None),
             TableError::Value { .. }

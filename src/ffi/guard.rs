@@ -23,6 +23,30 @@ pub(super) fn call(
     handle: *mut c_void,
     function: &'static str,
     allowed: Phases,
+    mut body: impl FnMut(&mut Instance) -> Outcome,
+) -> Status {
+    call_any(interface, handle, function, allowed, &mut body)
+}
+
+/// The one gate of all functions that are not called at every step: more than a hundred, each of which would have it again.
+#[inline(never)]
+fn call_any(
+    interface: Interface,
+    handle: *mut c_void,
+    function: &'static str,
+    allowed: Phases,
+    body: &mut dyn FnMut(&mut Instance) -> Outcome,
+) -> Status {
+    call_often(interface, handle, function, allowed, body)
+}
+
+/// The same as [`call`] for functions that are called at every step, with a gate of their own.
+#[inline(always)]
+pub(super) fn call_often(
+    interface: Interface,
+    handle: *mut c_void,
+    function: &'static str,
+    allowed: Phases,
     body: impl FnOnce(&mut Instance) -> Outcome,
 ) -> Status {
     contain(Status::Error, || {
@@ -83,10 +107,10 @@ pub(super) fn free(interface: Interface, handle: *mut c_void) {
 }
 
 /// Declares exported functions, one line each: arguments, the phases in which the standard allows the
-/// call, and what it does with the instance.
+/// call, and what it does with the instance. `often` marks those that are called at every step.
 macro_rules! exports {
     ($interface:expr; $(
-        fn $name:ident(|$instance:ident| $($argument:ident : $type:ty),*) in $phases:expr => $body:expr;
+        $(#[$often:ident])? fn $name:ident(|$instance:ident| $($argument:ident : $type:ty),*) in $phases:expr => $body:expr;
     )*) => { $(
         #[doc = concat!("`", stringify!($name), "` of the standard.")]
         ///
@@ -96,7 +120,7 @@ macro_rules! exports {
         pub unsafe extern "C" fn $name(
             instance: *mut std::ffi::c_void $(, $argument: $type)*
         ) -> $crate::ffi::Status {
-            $crate::ffi::guard::call($interface, instance, stringify!($name), $phases, |$instance| {
+            $crate::ffi::guard::gate!($($often)?)($interface, instance, stringify!($name), $phases, |$instance| {
                 // SAFETY: the caller's promise about the pointers.
                 #[allow(unused_unsafe)]
                 unsafe { $body }
@@ -105,6 +129,17 @@ macro_rules! exports {
     )* };
 }
 pub(super) use exports;
+
+/// The gate of a function that [`exports`] declares.
+macro_rules! gate {
+    () => {
+        $crate::ffi::guard::call
+    };
+    (often) => {
+        $crate::ffi::guard::call_often
+    };
+}
+pub(super) use gate;
 
 /// Declares exported functions that the component does not support: any call returns an error.
 macro_rules! unsupported {

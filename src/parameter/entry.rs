@@ -60,6 +60,7 @@ impl<'a> Entry<'a> {
         }
     }
 
+    #[cold]
     pub(crate) fn wrong(&self, key: &str, value: &Value, expected: &str) -> ModelFileError {
         ModelFileError::WrongType {
             file: self.file.to_owned(),
@@ -70,10 +71,12 @@ impl<'a> Entry<'a> {
         }
     }
 
+    #[cold]
     pub(crate) fn wrong_words(&self, key: &str, words: &str, expected: &str) -> ModelFileError {
         self.wrong(key, &Value::String(words.to_owned()), expected)
     }
 
+    #[cold]
     pub(crate) fn missing(&self, key: &str, description: &str, unit: &str) -> ModelFileError {
         ModelFileError::MissingKey {
             file: self.file.to_owned(),

@@ -286,6 +286,7 @@ impl<'a> SectionReader<'a> {
         entry.provenance()
     }
 
+    #[cold]
     pub(crate) fn wrong_type(
         &self,
         section: &str,

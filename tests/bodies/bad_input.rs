@@ -1,6 +1,6 @@
 //! What is wrong with a model file is told, with what would be right.
 
-use super::plants::SLED;
+use super::plants::{JOINT, SLED};
 use stickslip::cosim;
 
 #[test]
@@ -85,4 +85,39 @@ fn a_wrong_file_is_refused_with_section_key_and_what_is_right() {
     );
     let message = own("size * speed^2");
     assert!(message.contains("speed"), "{message}");
+}
+
+#[test]
+fn a_jump_over_what_depends_on_the_velocity_is_no_event_and_refused() {
+    for (plant, coordinate) in [
+        (SLED, "velocity"),
+        (SLED, "friction"),
+        (JOINT, "velocity"),
+        (JOINT, "motor"),
+    ] {
+        let unit = if plant == SLED { "N" } else { "rad/s2" };
+        let text = format!(
+            "{plant}[[effect]]\nname = \"own\"\ntitle = \"t\"\nport = \"plant.force\"\n\
+             equation = \"size * sign({coordinate})\"\n\
+             parameters.size = {{ value = 1.0, unit = \"{unit}\", description = \"d\" }}\n"
+        );
+        let message = cosim::open(&text, "plant.toml").err().unwrap().to_string();
+        assert!(
+            message.contains("effect own: equation") && message.contains("column 8: sign jumps"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn a_small_plant_takes_no_table_and_says_which_keys_it_takes() {
+    let text = format!(
+        "{SLED}[[effect]]\nname = \"own\"\ntitle = \"t\"\nport = \"plant.force\"\nequation = \"f(position)\"\n\
+         [effect.tables.f]\nx = [0.0]\ny = [nan]\n"
+    );
+    let message = cosim::open(&text, "plant.toml").err().unwrap().to_string();
+    assert!(
+        message.starts_with("plant.toml: [effect own] has no key \"tables\"; known are name"),
+        "{message}"
+    );
 }

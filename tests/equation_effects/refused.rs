@@ -134,3 +134,118 @@ fn a_file_of_effects_without_an_effect_is_refused() {
         );
     }
 }
+
+#[test]
+fn a_pole_inside_the_range_of_a_parameter_is_refused_with_its_column() {
+    let text = |range: &str| {
+        "[[effect]]\nname = \"mine\"\ntitle = \"mine\"\nport = \"disc.torque\"\n\
+         equation = \"a / (place - 1)\"\n\
+         parameters.a = { value = 0.1, unit = \"N.m\", description = \"a\" }\n"
+            .to_owned()
+            + &format!(
+                "parameters.place = {{ value = 2.0, unit = \"1\", range = {range}, description = \"b\" }}\n"
+            )
+    };
+    let read = |text: String| {
+        let model = common::rig_text(false, law("stribeck"), &text);
+        Rig::from_toml(&model, "model.toml").map_err(|error| error.to_string())
+    };
+    for range in ["[0.5, 4.0]", "\"positive\"", "[1.0, 4.0]"] {
+        let message = read(text(range)).unwrap_err();
+        let words = "model.toml: [effect mine] equation = \"a / (place - 1)\", column 3: the divisor may become zero here";
+        assert!(message.starts_with(words), "{message}");
+    }
+    read(text("[1.5, 4.0]")).unwrap();
+}
+
+#[test]
+fn numbers_that_overflow_hide_no_pole() {
+    let base = |equation: &str| effect("disc.torque", equation, &[("a", 0.1, "N.m")]);
+    for equation in [
+        "a / (exp(999) - exp(999) + 1)",
+        "a / abs(exp(999) - exp(999))",
+    ] {
+        let model = common::rig_text(false, law("stribeck"), &base(equation));
+        let message = Rig::from_toml(&model, "m").unwrap_err().to_string();
+        assert!(
+            message.contains("column 3: the divisor may become zero"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn powers_of_powers_are_read_at_once() {
+    let powers = format!("a*sign({}angle{})", "(".repeat(15), "^63)".repeat(15));
+    let extra = effect("disc.torque", &powers, &[("a", 0.1, "N.m")]);
+    let begin = std::time::Instant::now();
+    Rig::from_toml(&common::rig_text(false, law("stribeck"), &extra), "m").unwrap();
+    assert!(begin.elapsed().as_secs() < 5, "{:?}", begin.elapsed());
+}
+
+#[test]
+fn points_that_make_no_function_are_refused_with_file_effect_and_place() {
+    let many = vec!["0.0"; 1_000_000].join(", ");
+    for (x, y, more, words) in [
+        (
+            "[0.0, 2.0, 1.0]",
+            "[0.0, 1.0, 2.0]",
+            "",
+            "x[2] = 1.0 must lie above x[1] = 2.0",
+        ),
+        (
+            "[nan, 1.0]",
+            "[0.0, 1.0]",
+            "",
+            "x[0] = NaN must be a finite number",
+        ),
+        (
+            "[0.0, 1.0]",
+            "[0.0, nan]",
+            "",
+            "y[1] = NaN must be a finite number",
+        ),
+        (
+            "[0.0]",
+            "[1.0]",
+            "",
+            "has 1 x and 1 y; it needs as many of one as of the other, from 2 to 400",
+        ),
+        (
+            &format!("[{many}]"),
+            &format!("[{many}]"),
+            "",
+            "has 1000000 x and 1000000 y; it needs",
+        ),
+        (
+            "[0.0, 1e-320]",
+            "[0.0, 1.0]",
+            "",
+            "between x[0] = 0.0 and the next point at 1e-320",
+        ),
+        (
+            "[0.0, 1.0]",
+            "[0.0, 1.0]",
+            "period = 0.5\n",
+            "period = 0.5 must be above x[last] − x[0] = 1.0",
+        ),
+    ] {
+        let extra = effect("disc.torque", "a*f(angle)", &[("a", 0.1, "1")])
+            + &format!(
+                "[effect.tables.f]\nx = {x}\ny = {y}\nx_unit = \"rad\"\ny_unit = \"N.m\"\ninterpolation = \"linear\"\n{more}"
+            );
+        let text = common::rig_text(false, law("stribeck"), &extra);
+        let of_model = Rig::from_toml(&text, "model.toml").unwrap_err().to_string();
+        let of_file = Supposition::read_all(&extra, "mine.toml")
+            .unwrap_err()
+            .to_string();
+        for (file, message) in [("model.toml", of_model), ("mine.toml", of_file)] {
+            let begin = format!("{file}: [effect mine] table f");
+            assert!(
+                message.starts_with(&begin) && message.contains(words),
+                "{message}"
+            );
+            assert!(message.len() < 1000, "{} bytes", message.len());
+        }
+    }
+}

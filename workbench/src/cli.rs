@@ -19,6 +19,7 @@ use crate::diagnose::small_plant::fmu::template::{self, PortsArguments};
 use crate::diagnose::small_plant::fmu::worker::{self, COMMAND as WORKER};
 use crate::ensemble::{self, EnsembleArguments};
 use crate::experiment::{self, command::ExperimentArguments};
+use crate::export::{self, ExportArguments};
 use crate::identify::{self, command::IdentifyArguments};
 use crate::info::{self, InfoArguments};
 use crate::map::{self, MapArguments};
@@ -151,6 +152,13 @@ Then: stickslip diagnose --model plant.fmu --ports ports.toml --records run-a.cs
     #[command(after_help = "Example: stickslip build rig.toml --out fmus
          stickslip build rig.toml --platform linux64 --platform win64 --out fmus")]
     Build(BuildArguments),
+    /// Write damping, dry friction and armature of a joint for MuJoCo or URDF, with what they cannot tell.
+    #[command(
+        after_help = "Example: stickslip export result/model.amended.toml --to mujoco --name shoulder --speed 0.05:6 \\
+           --inertia 0.012 --rotor-inertia 3e-8 --ratio 288.4 --out shoulder.xml
+         stickslip export drive.toml --to urdf --name slide --speed 0.01:0.4 --out slide.urdf.xml"
+    )]
+    Export(ExportArguments),
     /// FMUs with inputs, reference results and options of the FMI Cross-Check; any FMU against the results that it holds.
     #[command(
         after_help = "Example: stickslip cross-check rig.toml --speed-rpm 55 --normal-force 50 --out cross-check
@@ -226,6 +234,7 @@ pub fn run(cli: &Cli) -> anyhow::Result<Outcome> {
         }
         Command::Score(arguments) => score::command(arguments),
         Command::Build(arguments) => build::command(arguments),
+        Command::Export(arguments) => export::command(arguments),
         Command::CrossCheck(arguments) => cross_check::command(arguments),
         Command::Experiment(arguments) => experiment::command::run(arguments),
         Command::Identify(arguments) => identify::command::run(arguments),

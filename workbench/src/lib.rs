@@ -1,6 +1,6 @@
 //! The workbench behind the command `stickslip`: simulating, mapping and examining the rig.
 //!
-//! One module per command: [`simulate`], [`map`], [`ensemble`], [`closed_loop`], [`info`], [`diagnose`], [`studio`], [`build`],
+//! One module per command: [`simulate`], [`map`], [`ensemble`], [`closed_loop`], [`info`], [`diagnose`], [`studio`], [`build`], [`export`],
 //! [`cross_check`], [`experiment`], [`identify`], [`calibrate`]; [`cli`] dispatches. They stand on
 //!
 //! - [`component`]: the native model and FMUs of both versions behind one trait;
@@ -17,6 +17,7 @@ pub mod cross_check;
 pub mod diagnose;
 pub mod ensemble;
 pub mod experiment;
+pub mod export;
 pub mod files;
 pub mod identify;
 pub mod info;

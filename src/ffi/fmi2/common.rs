@@ -126,6 +126,7 @@ exports! { Interface::Fmi2;
     fn fmi2Terminate(|instance|) in INITIALIZED => instance.enter(Phase::Terminated);
     fn fmi2Reset(|instance|) in ANY => instance.reset();
 
+    #[often]
     fn fmi2GetReal(|instance| references: *const ValueReference, count: usize, values: *mut Real) in READABLE =>
         instance.get_reals(input(references, count, "vr")?, &mut output(values, count, "value")?);
     fn fmi2GetBoolean(|instance| references: *const ValueReference, count: usize, values: *mut Boolean) in READABLE =>
@@ -135,6 +136,7 @@ exports! { Interface::Fmi2;
     fn fmi2GetString(|instance| references: *const ValueReference, count: usize, _values: *mut Text) in READABLE =>
         instance.no_variable_of_type(input(references, count, "vr")?, "a string");
 
+    #[often]
     fn fmi2SetReal(|instance| references: *const ValueReference, count: usize, values: *const Real) in SETTABLE =>
         instance.set_reals(input(references, count, "vr")?, input(values, count, "value")?);
     fn fmi2SetBoolean(|instance| references: *const ValueReference, count: usize, _values: *const Boolean) in SETTABLE =>

@@ -34,6 +34,7 @@ exports! { Interface::Fmi2;
     fn fmi2GetRealOutputDerivatives(|instance| references: *const ValueReference, count: usize, orders: *const Integer, values: *mut Real) in STEPPED =>
         instance.output_derivatives(input(references, count, "vr")?, input(orders, count, "order")?, &mut output(values, count, "value")?);
 
+    #[often]
     fn fmi2DoStep(|instance| point: Real, size: Real, _no_set_state_before_point: Boolean) in STEP =>
         instance.do_step(point, size).map(|_| ());
 

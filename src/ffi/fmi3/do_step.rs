@@ -4,7 +4,7 @@
 use super::types::{Boolean, Float64, Handle, IntermediateUpdateCallback, ValueReference};
 use crate::cosim::{Causality, StepEnd};
 use crate::ffi::Status;
-use crate::ffi::guard::call;
+use crate::ffi::guard::call_often;
 use crate::ffi::instance::Instance;
 use crate::ffi::pointers::{Output, place};
 use crate::ffi::status::{Interface, Phase, Phases, Refusal};
@@ -161,7 +161,7 @@ pub unsafe extern "C" fn fmi3DoStep(
     let mut switched = false;
     let mut part = |allowed, go: &dyn Fn(&mut Instance) -> Part| {
         let mut stop = None;
-        let status = call(
+        let status = call_often(
             Interface::Fmi3,
             instance,
             "fmi3DoStep",

@@ -26,6 +26,7 @@ const SETTABLE: Phases = Phases::of(&[
 ]);
 
 exports! { Interface::Fmi3;
+    #[often]
     fn fmi3GetFloat64(|instance| references: *const ValueReference, count: usize, values: *mut Float64, value_count: usize) in READABLE => {
         same_length(("nValues", value_count), ("nValueReferences", count))?;
         instance.get_reals(input(references, count, "valueReferences")?, &mut output(values, count, "values")?)
@@ -34,6 +35,7 @@ exports! { Interface::Fmi3;
         same_length(("nValues", value_count), ("nValueReferences", count))?;
         instance.get_booleans(input(references, count, "valueReferences")?, &mut output(values, count, "values")?)
     };
+    #[often]
     fn fmi3SetFloat64(|instance| references: *const ValueReference, count: usize, values: *const Float64, value_count: usize) in SETTABLE => {
         same_length(("nValues", value_count), ("nValueReferences", count))?;
         instance.set_reals(input(references, count, "valueReferences")?, input(values, count, "values")?)

@@ -126,7 +126,10 @@ impl Balance {
         let is_there = self.pieces_at(port);
         let folds = self.folds.iter().zip(is_there);
         Self {
-            folds: folds.filter(|(_, own)| *own).map(|(fold, _)| *fold).collect(),
+            folds: folds
+                .filter(|(_, own)| *own)
+                .map(|(fold, _)| *fold)
+                .collect(),
             records: self
                 .records
                 .iter()
@@ -306,11 +309,15 @@ impl Prepared {
         let later: Vec<f64> = match &self.motion.pursuit {
             Some(pursuit) => {
                 let delays = pursuit.at_delays.iter().enumerate();
-                delays.map(|(at, found_at)| model.delay(at) - found_at).collect()
+                delays
+                    .map(|(at, found_at)| model.delay(at) - found_at)
+                    .collect()
             }
             None => vec![model.delay(port)],
         };
-        let shift = later.get(port).map_or(0.0, |own| own / self.motion.interval);
+        let shift = later
+            .get(port)
+            .map_or(0.0, |own| own / self.motion.interval);
         let delayed = |at: usize| -> f64 {
             let Some(pursuit) = &self.motion.pursuit else {
                 return 0.0;

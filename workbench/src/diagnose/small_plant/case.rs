@@ -5,10 +5,10 @@ use std::path::{Path as FilePath, PathBuf};
 use thiserror::Error;
 
 use super::catalogue::{CATALOGUE, possible};
-use super::fmu::places::at_each;
 use super::effect_file::{effect, of_user};
 use super::evidence::unit;
 use super::fmu::missing::{Chased, MissingError, Recorded};
+use super::fmu::places::at_each;
 use super::fmu::plant::Plant;
 use super::model::Model;
 use super::model_file::{SmallModel, SmallModelError};
@@ -194,7 +194,8 @@ pub fn load(
         .is_some_and(|last| continues(last, held_out_part));
     let mut held_out_further = Vec::new();
     if let Some(chased) = &chased {
-        (records, held_out, held_out_further) = chased_motions(chased, &model.model, held_out, progress)?;
+        (records, held_out, held_out_further) =
+            chased_motions(chased, &model.model, held_out, progress)?;
     }
     let scales = Scales::of(&records);
     for (size, what) in [
@@ -263,7 +264,9 @@ fn chased_motions(
     let ports = chased.plant.places.len();
     let parameters = &model.terms()[0].values;
     let mut records = chased.missing(parameters, &model.delays(ports), progress)?;
-    let mut last = records.split_off(records.len().saturating_sub(ports)).into_iter();
+    let mut last = records
+        .split_off(records.len().saturating_sub(ports))
+        .into_iter();
     let first = last.next().unwrap_or(held_out);
     Ok((records, first, last.collect()))
 }
@@ -275,7 +278,9 @@ fn at_ports(all: Vec<&'static Entry>, model: &SmallModel) -> Vec<&'static Entry>
     if names.len() < 2 {
         return all;
     }
-    all.into_iter().flat_map(|entry| at_each(entry, &names)).collect()
+    all.into_iter()
+        .flat_map(|entry| at_each(entry, &names))
+        .collect()
 }
 
 /// The effects that files of the user's describe, on the plant of `model`.
@@ -428,9 +433,8 @@ impl SmallCase {
             let ports = self.chased.as_ref().map_or(1, |own| own.plant.places.len());
             if ports > 1 {
                 let all = balance(self).weighing(&[]);
-                let noise = (0..ports).map(|port| {
-                    root_mean_square(&all.at_port(port).residuals(model).concat())
-                });
+                let noise = (0..ports)
+                    .map(|port| root_mean_square(&all.at_port(port).residuals(model).concat()));
                 let noise: Vec<f64> = noise.collect();
                 self.weights = noise.iter().map(|own| noise[0] / own).collect();
             }
@@ -443,7 +447,10 @@ impl SmallCase {
     /// # Errors
     /// What would be right.
     pub fn effect(&self, name: &str) -> Result<&'static Entry, String> {
-        check_effect(name, &[&self.supposed[..], &self.model.of_ports[..]].concat())
+        check_effect(
+            name,
+            &[&self.supposed[..], &self.model.of_ports[..]].concat(),
+        )
     }
 
     /// The effects that the plant can have and its model has not.

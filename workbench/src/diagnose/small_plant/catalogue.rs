@@ -173,7 +173,9 @@ pub fn possible(plant: &SmallModel, supposed: &[&'static Entry]) -> Vec<&'static
         _ => &[],
     };
     let own = plant.of_ports.iter().chain(supposed).copied();
-    let all = shared.iter().filter(|entry| own.clone().all(|own| own.name != entry.name));
+    let all = shared
+        .iter()
+        .filter(|entry| own.clone().all(|own| own.name != entry.name));
     let all = all.chain(own.clone());
     all.filter(|entry| entry.fits(model.kind, model.path, has_load))
         .filter(|entry| !model.has(entry.name))

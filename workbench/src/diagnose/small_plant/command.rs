@@ -255,7 +255,8 @@ fn entries(case: &SmallCase, effects: &[String]) -> anyhow::Result<Vec<&'static 
     effects
         .iter()
         .map(|name| {
-            let entry = case.effect(name)
+            let entry = case
+                .effect(name)
                 .map_err(|what| anyhow!("--effect {name}: {what}"))?;
             Some(entry)
                 .filter(|entry| entry.fits(model.kind, model.path, has_load) && !model.has(name))

@@ -24,7 +24,7 @@ pub mod fmu;
 pub mod least_squares;
 pub mod model;
 pub mod model_file;
-mod model_reader;
+pub mod model_reader;
 mod model_text;
 pub mod motion;
 pub mod naming;

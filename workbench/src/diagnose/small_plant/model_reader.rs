@@ -59,19 +59,60 @@ pub(super) fn read(reader: &Reader<'_>) -> Result<SmallModel, SmallModelError> {
         "motion_low_pass [Hz], compare_rate [Hz] and, if need be, compare_low_pass [Hz], edge [s] and standstill_speed",
     )?;
     check_measurement(reader, &measurement)?;
-    let has_load = columns.load.is_some();
+    let ports = match kind {
+        Kind::Fmu => Some(ports(reader, fmu)?),
+        _ => None,
+    };
+    let Described {
+        model,
+        of_ports,
+        origins,
+    } = described(reader, columns.load.is_some(), ports.as_ref())?;
+    Ok(SmallModel {
+        model,
+        columns,
+        measurement,
+        ports,
+        of_ports,
+        origins,
+    })
+}
+
+/// Base and effects of the plant that a file describes, with the origins of their numbers; `has_load` where a column has its load.
+///
+/// # Errors
+/// [`FileError`], naming section and key and what would be right.
+pub fn model(
+    reader: &Reader<'_>,
+    has_load: bool,
+) -> Result<(Model, BTreeMap<String, Provenance>), FileError> {
+    let described = described(reader, has_load, None)?;
+    Ok((described.model, described.origins))
+}
+
+/// What a model file says of base and effects.
+struct Described {
+    model: Model,
+    /// Effects that an FMU can have at its ports.
+    of_ports: Vec<&'static Entry>,
+    origins: BTreeMap<String, Provenance>,
+}
+
+/// Base and effects of the plant that a file describes; `ports` are an FMU's.
+fn described(
+    reader: &Reader<'_>,
+    has_load: bool,
+    ports: Option<&Ports>,
+) -> Result<Described, FileError> {
+    let Plant { kind, path, .. } = reader.plant()?;
     let own_base = base(kind).map_or(PARAMETERS, |entry| entry.name);
     let mut known = vec!["plant", "columns", "measurement", OWN_EFFECTS, own_base];
     if kind == Kind::Fmu {
         known.extend(["port", "inputs", "start", "drifts"]);
     }
-    let ports = match kind {
-        Kind::Fmu => Some(ports(reader, fmu)?),
-        _ => None,
-    };
-    let (base, of_ports) = match (base(kind), &ports) {
-        (Some(base), _) => (base, Vec::new()),
-        (None, ports) => {
+    let (base, of_ports) = match base(kind) {
+        Some(base) => (base, Vec::new()),
+        None => {
             let parameters = parameters(reader)?;
             let of_ports = match ports {
                 Some(ports) => {
@@ -122,11 +163,8 @@ pub(super) fn read(reader: &Reader<'_>) -> Result<SmallModel, SmallModelError> {
         // An entry lives as long as the program, as those of the catalogue do.
         model = model.with(Box::leak(Box::new(entry)), values);
     }
-    Ok(SmallModel {
+    Ok(Described {
         model,
-        columns,
-        measurement,
-        ports,
         of_ports,
         origins,
     })
@@ -145,7 +183,12 @@ fn ports(reader: &Reader<'_>, fmu: Option<PathBuf>) -> Result<Ports, FileError> 
     Ok(Ports {
         fmu,
         ports: all,
-        drifts: reader.optional::<Drifts>("drifts", "parameters, names of uncertain parameters that may change with time")?.parameters,
+        drifts: reader
+            .optional::<Drifts>(
+                "drifts",
+                "parameters, names of uncertain parameters that may change with time",
+            )?
+            .parameters,
         inputs: reader.optional(
             "inputs",
             "lines such as u = { column = \"voltage\", unit = \"V\", between = \"linear\" }",
@@ -186,7 +229,11 @@ fn check_ports(reader: &Reader<'_>, all: &[Port]) -> Result<(), FileError> {
             return Err(wrong("name", &format!("{name:?}"), expected));
         }
         if all[..at].iter().any(|other| other.name == port.name) {
-            return Err(wrong("name", &format!("{name:?}"), "a name that no other port has"));
+            return Err(wrong(
+                "name",
+                &format!("{name:?}"),
+                "a name that no other port has",
+            ));
         }
         if let Some(cut_off) = port.compare_low_pass
             && !(cut_off.is_finite() && cut_off > 0.0)
@@ -194,17 +241,29 @@ fn check_ports(reader: &Reader<'_>, all: &[Port]) -> Result<(), FileError> {
             let expected = "a number above 0 [Hz]";
             return Err(wrong("compare_low_pass", &cut_off.to_string(), expected));
         }
-        if let Some(often) = port.repeats.iter().find(|own| !(own.is_finite() && **own > 0.0)) {
+        if let Some(often) = port
+            .repeats
+            .iter()
+            .find(|own| !(own.is_finite() && **own > 0.0))
+        {
             return Err(wrong("repeats", &often.to_string(), "numbers above 0"));
         }
         let has_columns = port.measured_position.is_some() || port.measured_velocity.is_some();
         if at == 0 && has_columns {
             let expected = "left out: [columns] has those of the first port";
-            return Err(wrong("measured_position, measured_velocity", name, expected));
+            return Err(wrong(
+                "measured_position, measured_velocity",
+                name,
+                expected,
+            ));
         }
         if at > 0 && !has_columns {
             let expected = "a column for one of them at every port but the first, such as { column = \"angle\", unit = \"rad\" }";
-            return Err(wrong("measured_position, measured_velocity", name, expected));
+            return Err(wrong(
+                "measured_position, measured_velocity",
+                name,
+                expected,
+            ));
         }
     }
     Ok(())

@@ -247,7 +247,9 @@ impl Scales {
         let force = root_mean_square(&unexplained);
         let speed = root_mean_square(&over(|m| &m.velocity));
         let voltage = root_mean_square(&over(|m| &m.voltage));
-        let links = records.iter().filter_map(|m| m.pursuit.as_ref()?.links[1].as_ref());
+        let links = records
+            .iter()
+            .filter_map(|m| m.pursuit.as_ref()?.links[1].as_ref());
         let twist: Vec<f64> = links.clone().flat_map(|own| own.position.clone()).collect();
         let twist_rate: Vec<f64> = links.flat_map(|own| own.velocity.clone()).collect();
         let straight = twist.iter().sum::<f64>() / twist.len().max(1) as f64;

@@ -70,7 +70,11 @@ pub fn read(
         .map(|name| sheet.column(name, "what drives an input"));
     let driven = driven.collect::<Result<Vec<_>, SmallCaseError>>()?;
     let mut motions = vec![motion];
-    for port in model.ports.iter().flat_map(|ports| ports.ports.iter().skip(1)) {
+    for port in model
+        .ports
+        .iter()
+        .flat_map(|ports| ports.ports.iter().skip(1))
+    {
         let [position, velocity] = [&port.measured_position, &port.measured_velocity];
         let mut further = sheet.motion(part, position.as_ref(), velocity.as_ref())?;
         further.load.clone_from(&motions[0].load);
@@ -228,7 +232,9 @@ impl<'a> Sheet<'a> {
                 .map(|own| {
                     let factor = own.factor(quantity, self.model.model.path).unwrap_or(1.0);
                     let values = self.column(&own.column, quantity.word())?;
-                    Ok::<Vec<f64>, SmallCaseError>(values.iter().map(|value| value * factor).collect())
+                    Ok::<Vec<f64>, SmallCaseError>(
+                        values.iter().map(|value| value * factor).collect(),
+                    )
                 })
                 .transpose()
         };

@@ -106,8 +106,7 @@ impl Chased {
             self.plant.file.display()
         ));
         let has_failed = AtomicBool::new(false);
-        let found: Vec<Result<Option<Vec<Pursuit>>, WorkerError>> = (0..count
-            * self.records.len())
+        let found: Vec<Result<Option<Vec<Pursuit>>, WorkerError>> = (0..count * self.records.len())
             .into_par_iter()
             .map(|at| {
                 // One failure is enough to say so.
@@ -138,7 +137,16 @@ impl Chased {
         let mut all = Vec::new();
         for (record, found) in self.records.iter().zip(found.chunks(count)) {
             let mut of_record: Vec<Motion> = (0..record.motions.len())
-                .map(|place| moved(record, place, found, &variations, (parameters, delays), &deviations))
+                .map(|place| {
+                    moved(
+                        record,
+                        place,
+                        found,
+                        &variations,
+                        (parameters, delays),
+                        &deviations,
+                    )
+                })
                 .collect();
             link(&mut of_record);
             for motion in of_record {

@@ -36,8 +36,18 @@ const OF_FRICTION: [Entry; 4] = [
         confusable: &["unbalance"],
         path: Some(Path::Turn),
         parameters: &[
-            parameter("cosine", Dimension::Ratio, Range::Finite, "share that goes with the angle's cosine"),
-            parameter("sine", Dimension::Ratio, Range::Finite, "share that goes with the angle's sine"),
+            parameter(
+                "cosine",
+                Dimension::Ratio,
+                Range::Finite,
+                "share that goes with the angle's cosine",
+            ),
+            parameter(
+                "sine",
+                Dimension::Ratio,
+                Range::Finite,
+                "share that goes with the angle's sine",
+            ),
         ],
         formula: Formula::Code {
             force: |p, s, friction| friction * (p[0] * s.position.cos() + p[1] * s.position.sin()),
@@ -51,8 +61,18 @@ const OF_FRICTION: [Entry; 4] = [
         signature: "a residual over the velocity with a peak on both sides of zero that grows with the friction",
         confusable: &["acceleration_hysteresis"],
         parameters: &[
-            parameter("excess", Dimension::Ratio, Range::Finite, "share of the FMU's friction by which that at no speed is higher"),
-            parameter("speed", Dimension::Speed, Range::Positive, "speed over which it falls by 63 %"),
+            parameter(
+                "excess",
+                Dimension::Ratio,
+                Range::Finite,
+                "share of the FMU's friction by which that at no speed is higher",
+            ),
+            parameter(
+                "speed",
+                Dimension::Speed,
+                Range::Positive,
+                "speed over which it falls by 63 %",
+            ),
         ],
         formula: Formula::Code {
             force: |p, s, _| s.own_friction * p[0] * (-s.velocity.abs() / p[1]).exp(),
@@ -66,7 +86,12 @@ const OF_FRICTION: [Entry; 4] = [
         signature: "a residual that follows the load",
         confusable: &["friction_wear"],
         needs_load: true,
-        parameters: &[parameter("exponent", Dimension::Ratio, Range::Finite, "what the power has beyond the FMU's")],
+        parameters: &[parameter(
+            "exponent",
+            Dimension::Ratio,
+            Range::Finite,
+            "what the power has beyond the FMU's",
+        )],
         formula: Formula::Code {
             force: |p, s, _| {
                 let power = if s.load > 0.0 { s.load.powf(p[0]) } else { 1.0 };
@@ -83,14 +108,54 @@ const OF_FRICTION: [Entry; 4] = [
         confusable: &["stribeck", "sensor_delay"],
         role: Role::Law,
         parameters: &[
-            parameter("a1", Dimension::Force, Range::Positive, "height of the first Gaussian at the mean load"),
-            parameter("b1", Dimension::Angle, Range::Between(-4.2, 4.2), "its place"),
-            parameter("c1", Dimension::Angle, Range::Between(0.05, 9.0), "its width"),
-            parameter("a2", Dimension::Force, Range::Positive, "height of the second Gaussian at the mean load"),
-            parameter("b2", Dimension::Angle, Range::Between(-4.2, 4.2), "its place"),
-            parameter("c2", Dimension::Angle, Range::Between(0.05, 9.0), "its width"),
-            parameter("centre", Dimension::Speed, Range::Positive, "centre of the ellipse and its semi-axis in velocity"),
-            parameter("semi_axis", Dimension::Acceleration, Range::Positive, "semi-axis of the ellipse in acceleration"),
+            parameter(
+                "a1",
+                Dimension::Force,
+                Range::Positive,
+                "height of the first Gaussian at the mean load",
+            ),
+            parameter(
+                "b1",
+                Dimension::Angle,
+                Range::Between(-4.2, 4.2),
+                "its place",
+            ),
+            parameter(
+                "c1",
+                Dimension::Angle,
+                Range::Between(0.05, 9.0),
+                "its width",
+            ),
+            parameter(
+                "a2",
+                Dimension::Force,
+                Range::Positive,
+                "height of the second Gaussian at the mean load",
+            ),
+            parameter(
+                "b2",
+                Dimension::Angle,
+                Range::Between(-4.2, 4.2),
+                "its place",
+            ),
+            parameter(
+                "c2",
+                Dimension::Angle,
+                Range::Between(0.05, 9.0),
+                "its width",
+            ),
+            parameter(
+                "centre",
+                Dimension::Speed,
+                Range::Positive,
+                "centre of the ellipse and its semi-axis in velocity",
+            ),
+            parameter(
+                "semi_axis",
+                Dimension::Acceleration,
+                Range::Positive,
+                "semi-axis of the ellipse in acceleration",
+            ),
         ],
         formula: Formula::Code {
             force: |p, s, _| two_gaussians(&[p, &[0.0]].concat(), s, 0.0),
@@ -107,7 +172,11 @@ const OF_FRICTION: [Entry; 4] = [
 /// The effects beside those of the catalogue, or instead of them where there are several ports; `parameters` are those that are uncertain.
 #[must_use]
 pub fn effects(ports: &Ports, parameters: &[Parameter], path: Path) -> Vec<&'static Entry> {
-    let names: Vec<&str> = ports.ports.iter().filter_map(|port| port.name.as_deref()).collect();
+    let names: Vec<&str> = ports
+        .ports
+        .iter()
+        .filter_map(|port| port.name.as_deref())
+        .collect();
     let mut all: Vec<Entry> = Vec::new();
     for (at, port) in ports.ports.iter().enumerate() {
         let place = |mut entry: Entry| {
@@ -118,7 +187,9 @@ pub fn effects(ports: &Ports, parameters: &[Parameter], path: Path) -> Vec<&'sta
         };
         let own = of_port(port);
         if names.len() > 1 {
-            let shared = CATALOGUE.iter().filter(|entry| entry.kinds.contains(&Kind::Fmu));
+            let shared = CATALOGUE
+                .iter()
+                .filter(|entry| entry.kinds.contains(&Kind::Fmu));
             let shared = shared.filter(|entry| own.iter().all(|own| own.name != entry.name));
             all.extend(shared.map(|entry| place(*entry)));
         }
@@ -131,9 +202,17 @@ pub fn effects(ports: &Ports, parameters: &[Parameter], path: Path) -> Vec<&'sta
     for (at, own) in parameters.iter().enumerate().filter(|(_, own)| drifts(own)) {
         all.push(Entry {
             name: leaked(format!("{}_drift", plain_name(own.key))),
-            description: leaked(format!("{} that changes by a share of its value in a minute", own.key)),
+            description: leaked(format!(
+                "{} that changes by a share of its value in a minute",
+                own.key
+            )),
             signature: "a residual that drifts as the parameter's influence does",
-            parameters: alone(parameter("rate_per_minute", Dimension::PerMinute, Range::Finite, "share by which it changes in a minute")),
+            parameters: alone(parameter(
+                "rate_per_minute",
+                Dimension::PerMinute,
+                Range::Finite,
+                "share by which it changes in a minute",
+            )),
             formula: Formula::Drift(at),
             ..PLAIN
         });
@@ -142,7 +221,9 @@ pub fn effects(ports: &Ports, parameters: &[Parameter], path: Path) -> Vec<&'sta
     for (at, (name, input)) in inputs.enumerate() {
         all.push(of_input(at, name, input));
     }
-    all.into_iter().map(|entry| &*Box::leak(Box::new(entry))).collect()
+    all.into_iter()
+        .map(|entry| &*Box::leak(Box::new(entry)))
+        .collect()
 }
 
 /// An effect at each of several ports.
@@ -161,7 +242,12 @@ pub fn placed(entry: &Entry, at: usize, port: &str) -> Entry {
     Entry {
         name: there(entry.name),
         description: leaked(format!("at {port}: {}", entry.description)),
-        confusable: entry.confusable.iter().map(|name| there(name)).collect::<Vec<_>>().leak(),
+        confusable: entry
+            .confusable
+            .iter()
+            .map(|name| there(name))
+            .collect::<Vec<_>>()
+            .leak(),
         place: Place::Port(at),
         ..*entry
     }
@@ -177,13 +263,25 @@ fn of_port(port: &Port) -> Vec<Entry> {
         let name = format!("ripple_{often}").replace('.', "_");
         all.push(Entry {
             name: leaked(name),
-            description: leaked(format!("force that varies {often} times per turn, as cosine and sine")),
+            description: leaked(format!(
+                "force that varies {often} times per turn, as cosine and sine"
+            )),
             signature: "a residual that repeats many times per turn",
             path: Some(Path::Turn),
             parameters: const {
                 &[
-                    parameter("cosine", Dimension::Force, Range::Finite, "part that goes with the cosine"),
-                    parameter("sine", Dimension::Force, Range::Finite, "part that goes with the sine"),
+                    parameter(
+                        "cosine",
+                        Dimension::Force,
+                        Range::Finite,
+                        "part that goes with the cosine",
+                    ),
+                    parameter(
+                        "sine",
+                        Dimension::Force,
+                        Range::Finite,
+                        "part that goes with the sine",
+                    ),
                 ]
             },
             formula: Formula::Repeats(*often),
@@ -206,7 +304,12 @@ fn of_link(at: usize, [one, other]: [&str; 2], path: Path) -> [Entry; 2] {
             description: "spring between two ports that carries more than in proportion: coefficient·x³ of their difference x",
             signature: "a residual that bends upward over the difference of the positions, opposite at both ports",
             confusable: one_name(between("backlash")),
-            parameters: alone(parameter("coefficient", Dimension::Si { unit, path }, Range::Finite, "what the cube has")),
+            parameters: alone(parameter(
+                "coefficient",
+                Dimension::Si { unit, path },
+                Range::Finite,
+                "what the cube has",
+            )),
             formula: Formula::Code {
                 force: |p, s, _| p[0] * s.position.powi(3),
                 starts: &[&[0.1], &[-0.1]],
@@ -220,8 +323,18 @@ fn of_link(at: usize, [one, other]: [&str; 2], path: Path) -> [Entry; 2] {
             signature: "a residual that is constant over the difference of the positions and changes sign with it",
             confusable: one_name(between("hardening")),
             parameters: vec![
-                parameter("force", Dimension::Force, Range::Positive, "what the spring would carry at the band's edge"),
-                parameter("half_width", Dimension::Position, Range::Positive, "half the width of the band"),
+                parameter(
+                    "force",
+                    Dimension::Force,
+                    Range::Positive,
+                    "what the spring would carry at the band's edge",
+                ),
+                parameter(
+                    "half_width",
+                    Dimension::Position,
+                    Range::Positive,
+                    "half the width of the band",
+                ),
             ]
             .leak(),
             formula: Formula::DeadBand,
@@ -236,9 +349,17 @@ fn of_input(at: usize, name: &str, input: &Input) -> Entry {
     let unit = leaked(input.unit.clone());
     Entry {
         name: leaked(format!("{}_offset", plain_name(name))),
-        description: leaked(format!("column {} that is off by a constant: the plant has the reading and the constant", input.column)),
+        description: leaked(format!(
+            "column {} that is off by a constant: the plant has the reading and the constant",
+            input.column
+        )),
         signature: "a residual that changes as the input's influence does",
-        parameters: alone(parameter("offset", Dimension::Own { unit, size: 1.0 }, Range::Finite, "what the plant has beyond the reading")),
+        parameters: alone(parameter(
+            "offset",
+            Dimension::Own { unit, size: 1.0 },
+            Range::Finite,
+            "what the plant has beyond the reading",
+        )),
         formula: Formula::Offset(at),
         ..PLAIN
     }

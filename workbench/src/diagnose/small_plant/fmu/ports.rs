@@ -119,7 +119,11 @@ impl Ports {
                 key(name),
                 input.column,
                 input.unit,
-                if input.may_be_offset { ", may_be_offset = true" } else { "" }
+                if input.may_be_offset {
+                    ", may_be_offset = true"
+                } else {
+                    ""
+                }
             );
         }
         if !self.drifts.is_empty() {

@@ -295,11 +295,7 @@ impl<'a> Chase<'a> {
     }
 
     /// The motion at each port after `step` steps, given that one step earlier.
-    fn moved(
-        &mut self,
-        step: usize,
-        before: Option<&[Moved]>,
-    ) -> Result<Vec<Moved>, PursuitError> {
+    fn moved(&mut self, step: usize, before: Option<&[Moved]>) -> Result<Vec<Moved>, PursuitError> {
         let mut values = vec![0.0; self.outputs.len()];
         self.component.get(&self.outputs, &mut values)?;
         let time = self.time(step);

@@ -15,9 +15,9 @@ use super::wrapper_description::{Abilities, Added, Changes, abilities, changed};
 use crate::component::{Archive, ArchiveError, ComponentError, Description, FmiVersion};
 use crate::diagnose::report::markup::escape;
 use crate::diagnose::small_plant::base::PARAMETERS;
+use crate::diagnose::small_plant::equation::uses;
 use crate::diagnose::small_plant::model::Term;
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::equation::uses;
 use crate::diagnose::small_plant::term::{Formula, Place, Role};
 use stickslip::body::Kind;
 use stickslip::body::coordinate::FRICTION;
@@ -172,9 +172,7 @@ pub fn build(
     if !inertia.is_finite() || inertia == 0.0 {
         return Err(wrong("inertia", inertia, "a finite number other than 0"));
     }
-    let step = port
-        .coupling_step
-        .ok_or_else(|| lacks("coupling_step"))?;
+    let step = port.coupling_step.ok_or_else(|| lacks("coupling_step"))?;
     if !(step.is_finite() && step > 0.0) {
         return Err(wrong("coupling_step", step, "a number above 0 [s]"));
     }
@@ -300,7 +298,12 @@ fn place_of(model: &SmallModel, file: &str) -> Result<usize, WrapperError> {
         .iter()
         .flat_map(|ports| &ports.ports)
         .any(|port| port.friction.is_some());
-    for term in model.model.terms().iter().filter(|term| term.entry.name != PARAMETERS) {
+    for term in model
+        .model
+        .terms()
+        .iter()
+        .filter(|term| term.entry.name != PARAMETERS)
+    {
         let elsewhere = |what| WrapperError::Elsewhere {
             file: file.to_owned(),
             effect: term.entry.name,
@@ -321,7 +324,9 @@ fn place_of(model: &SmallModel, file: &str) -> Result<usize, WrapperError> {
             }
             (_, Place::Link(_), _) => return Err(elsewhere("acts between two ports")),
             (Formula::Repeats(_), _, _) => {
-                return Err(elsewhere("repeats within a turn, for which there is no equation"));
+                return Err(elsewhere(
+                    "repeats within a turn, for which there is no equation",
+                ));
             }
             _ => return Err(elsewhere("changes something inside the FMU")),
         }
