@@ -6,7 +6,7 @@ use super::model_file::Measurement;
 use super::motion::{Motion, Scales};
 use super::problem::Problem;
 use super::term::Sample;
-use stickslip::body::Dimension;
+use stickslip::body::{Dimension, Kind};
 
 /// Order of the low-pass that both forces go through.
 const ORDER: usize = 8;
@@ -43,6 +43,8 @@ struct Prepared {
     measured: Vec<f64>,
     /// Every moment as it was read: what most models are asked about.
     read: Vec<Sample>,
+    /// By how much an FMU's missing force falls as each uncertain parameter grows, filtered and thinned.
+    slopes: Vec<Vec<f64>>,
 }
 
 /// One compared moment: what was measured, what the model says, and when and where that was.
@@ -78,12 +80,15 @@ impl Balance {
                     kept: Vec::new(),
                     measured: Vec::new(),
                     read: Vec::new(),
+                    slopes: Vec::new(),
                 };
                 prepared.kept = prepared.moving();
                 prepared.read = (0..motion.len())
                     .map(|at| prepared.sample(at, 0.0))
                     .collect();
                 prepared.measured = prepared.thinned(&motion.force);
+                let slopes = motion.pursuit.iter().flat_map(|own| &own.slopes);
+                prepared.slopes = slopes.map(|series| prepared.thinned(series)).collect();
                 prepared
             })
             .collect();
@@ -382,6 +387,45 @@ impl Problem for Balance {
             }
         }
         pieces
+    }
+
+    fn slopes(
+        &self,
+        model: &Model,
+        residuals: &[Vec<f64>],
+        (term, number): (usize, usize),
+    ) -> Option<Vec<Vec<f64>>> {
+        // An FMU's parameters: how the force that it lacks changes with them is in the pursuits.
+        if model.kind != Kind::Fmu || term != 0 {
+            return None;
+        }
+        let mut residuals = residuals.iter();
+        let mut all = Vec::with_capacity(residuals.len());
+        for record in &self.records {
+            let pursuit = record.motion.pursuit.as_ref()?;
+            let slopes = record.slopes.get(number)?;
+            let lightness = record.lightness(model);
+            let heavier = pursuit.inertia_slopes.get(number)? * lightness / pursuit.inertia;
+            let weight = lightness * self.weight(record);
+            for slopes in slopes.chunks(self.piece) {
+                let pairs = slopes.iter().zip(residuals.next()?);
+                all.push(
+                    pairs
+                        .map(|(slope, residual)| -slope * weight - residual * heavier)
+                        .collect(),
+                );
+            }
+        }
+        // The prior's errors come last, one for each parameter that was known before.
+        let parameters = model.terms().first()?.entry.parameters.iter();
+        let known = parameters.zip(&self.nominal).enumerate();
+        let errors = known.filter_map(|(at, (parameter, _))| match parameter.dimension {
+            Dimension::Own { size, .. } if at == number => Some(self.known / size),
+            Dimension::Own { .. } => Some(0.0),
+            _ => None,
+        });
+        all.push(errors.collect());
+        Some(all)
     }
 
     fn prior(&self, model: &Model) -> Vec<f64> {

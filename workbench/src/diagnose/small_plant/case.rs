@@ -163,6 +163,7 @@ pub fn load(
     for part in parts.iter().chain([held_out_part]) {
         all.push(read(part, &model, &columns, &mut notes)?);
     }
+    notes.extend(leave_no_load_out(&mut model, &mut all));
     relate_load(&model, &mut all)?;
     let chased = match plant {
         Some(plant) => {
@@ -336,6 +337,22 @@ pub fn check_effect(name: &str, further: &[&'static Entry]) -> Result<&'static E
             known.join(", ")
         )
     })
+}
+
+/// Takes the load of an FMU for not measured where all records are without: no friction that it presses together shows there. Says so.
+fn leave_no_load_out(model: &mut SmallModel, all: &mut [Recorded]) -> Option<String> {
+    let column = model.columns.load.as_ref()?.column.clone();
+    let mut loads = all.iter().flat_map(|record| &record.motions[0].load);
+    if model.model.kind != Kind::Fmu || loads.any(|load| *load != 0.0) {
+        return None;
+    }
+    model.columns.load = None;
+    for motion in all.iter_mut().flat_map(|record| &mut record.motions) {
+        motion.load.fill(1.0);
+    }
+    Some(format!(
+        "the load, column {column}, is 0 in all records; effects that depend on it were not tried"
+    ))
 }
 
 /// Load over its mean on the records learned from.

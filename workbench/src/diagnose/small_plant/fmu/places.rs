@@ -106,6 +106,7 @@ const OF_FRICTION: [Entry; 4] = [
         description: "friction over the angle α of the plane of velocity and acceleration, two Gaussians (Eqs 6-1, 6-2) times the load, instead of the FMU's",
         signature: "friction that differs between speeding up and slowing down at the same speed",
         confusable: &["stribeck", "sensor_delay"],
+        needs_load: true,
         role: Role::Law,
         parameters: &[
             parameter(
