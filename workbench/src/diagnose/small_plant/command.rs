@@ -17,7 +17,7 @@ use super::finding::SmallFinding;
 use super::fmu::wrapper::{self, WrapperError};
 use super::model::Model;
 use super::model_file::SmallModel;
-use super::naming::{Naming, fit_base, fit_with, name as name_effects, shows};
+use super::naming::{MOST_EFFECTS, Naming, fit_base, fit_with, name as name_effects, shows};
 use super::report::page;
 use super::showing::{balance, models_on_the_way, step};
 use super::swing::Swing;
@@ -169,7 +169,8 @@ fn build_fmus(text: &str, out: &Path, library: &Library) -> anyhow::Result<Strin
 }
 
 /// Names what is missing. The force that an FMU lacks depends on its parameters, and how much the knowledge of those weighs on what is
-/// named: so until the names do not change any more.
+/// named: so until the names do not change any more. Numbers that are far off leave structure that the right ones do not, which effects
+/// would stand in for: so with an effect more each time.
 fn named_finding(
     case: &mut SmallCase,
     progress: &mut dyn FnMut(&str),
@@ -178,13 +179,17 @@ fn named_finding(
         .candidates()
         .into_iter()
         .partition(|entry| shows(entry, case.kind(), case.records.len()));
-    let mut naming = names(case, &open, progress);
-    for _ in 0..MOST_ROUNDS {
+    let most = match case.chased {
+        Some(_) => 1,
+        None => MOST_EFFECTS,
+    };
+    let mut naming = names(case, &open, most, progress);
+    for more in 1..=MOST_ROUNDS {
         if case.chased.is_none() {
             break;
         }
         case.pursue(&naming.amended.model, progress)?;
-        let again = names(case, &open, progress);
+        let again = names(case, &open, most + more, progress);
         let is_settled = again.names() == naming.names();
         naming = again;
         if is_settled {
@@ -203,7 +208,13 @@ fn named_finding(
     Ok(found)
 }
 
-fn names(case: &SmallCase, open: &[&'static Entry], progress: &mut dyn FnMut(&str)) -> Naming {
+fn names(
+    case: &SmallCase,
+    open: &[&'static Entry],
+    most: usize,
+    progress: &mut dyn FnMut(&str),
+) -> Naming {
+    let open = (open, most);
     let (forces, scales) = (balance(case), &case.scales);
     if case.kind() != Kind::Joint {
         return name_effects(&forces, &case.model.model, scales, open, progress);
