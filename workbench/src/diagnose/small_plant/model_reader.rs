@@ -12,10 +12,10 @@ use super::catalogue::{CATALOGUE, entry};
 use super::columns::Columns;
 use super::effect_file;
 use super::fmu::places::effects;
-use super::fmu::ports::{Port, Ports};
+use super::fmu::ports::{Input, Port, Ports};
 use super::model::Model;
 use super::model_file::{Measurement, SmallModel, SmallModelError, dotted};
-use super::term::{Entry, MOST_PARAMETERS};
+use super::term::{Entry, MOST_OFFSETS, MOST_PARAMETERS};
 
 /// Parameters of an FMU that may change with time.
 #[derive(Default, Deserialize)]
@@ -180,6 +180,15 @@ fn ports(reader: &Reader<'_>, fmu: Option<PathBuf>) -> Result<Ports, FileError> 
         vec![reader.section("port", expected)?]
     };
     check_ports(reader, &all)?;
+    let inputs: BTreeMap<String, Input> = reader.optional(
+        "inputs",
+        "lines such as u = { column = \"voltage\", unit = \"V\", between = \"linear\" }",
+    )?;
+    let offsets = inputs.values().filter(|input| input.may_be_offset).count();
+    if offsets > MOST_OFFSETS {
+        let expected = format!("{MOST_OFFSETS} or fewer inputs with may_be_offset = true");
+        return Err(reader.wrong("inputs", "may_be_offset", &offsets.to_string(), &expected));
+    }
     Ok(Ports {
         fmu,
         ports: all,
@@ -189,10 +198,7 @@ fn ports(reader: &Reader<'_>, fmu: Option<PathBuf>) -> Result<Ports, FileError> 
                 "parameters, names of uncertain parameters that may change with time",
             )?
             .parameters,
-        inputs: reader.optional(
-            "inputs",
-            "lines such as u = { column = \"voltage\", unit = \"V\", between = \"linear\" }",
-        )?,
+        inputs,
         start: reader.optional("start", "lines such as phi_start = \"position\"")?,
     })
 }

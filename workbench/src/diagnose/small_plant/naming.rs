@@ -133,11 +133,13 @@ pub fn name(
     let mut ranking: Option<Vec<Tried>> = None;
     let mut kept: Vec<Kept> = Vec::new();
     while kept.len() < most {
-        let on_top = kept.iter().map(|kept| format!(", on top of {}", kept.entry.name));
+        let on_top = kept
+            .iter()
+            .map(|kept| format!(", on top of {}", kept.entry.name));
         progress(&format!(
             "candidates, round {}{}",
             kept.len() + 1,
-            on_top.last().unwrap_or_default()
+            on_top.unwrap_or_default()
         ));
         let before = left_out_errors(problem, &current, scales);
         let round = Round {

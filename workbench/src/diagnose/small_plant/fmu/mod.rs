@@ -9,8 +9,13 @@ pub mod missing;
 pub mod places;
 pub mod plant;
 pub mod ports;
+#[cfg(test)]
+mod ports_tests;
 pub mod pursuit;
+#[cfg(test)]
+mod pursuit_tests;
 pub mod template;
 pub mod worker;
+mod wrapped_place;
 pub mod wrapper;
 mod wrapper_description;

@@ -301,7 +301,12 @@ impl Finder<'_> {
             });
         }
         let takes_force = |v: &Variable| v.role == Role::Input || v.is_tunable;
-        let input = self.variable("port", &port.input, "input", takes_force)?;
+        let input = self.variable(
+            "port",
+            &port.input,
+            "input or tunable parameter",
+            takes_force,
+        )?;
         let is_read = |v: &Variable| matches!(v.role, Role::Output | Role::Local);
         let mut output = |name: &Option<String>, quantity| {
             name.as_ref()

@@ -11,16 +11,15 @@ use stickslip::cosim::Token;
 use thiserror::Error;
 
 use super::plant::{Plant, PlantError};
+use super::wrapped_place::place_of;
 use super::wrapper_description::{Abilities, Added, Changes, abilities, changed};
 use crate::component::{Archive, ArchiveError, ComponentError, Description, FmiVersion};
 use crate::diagnose::report::markup::escape;
 use crate::diagnose::small_plant::base::PARAMETERS;
-use crate::diagnose::small_plant::equation::uses;
 use crate::diagnose::small_plant::model::Term;
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::term::{Formula, Place, Role};
+use crate::diagnose::small_plant::term::{Formula, Role};
 use stickslip::body::Kind;
-use stickslip::body::coordinate::FRICTION;
 
 /// Beginning of the names that the original does not have.
 const PREFIX: &str = "effects";
@@ -288,50 +287,6 @@ pub fn build(
         size: bytes.len(),
         left_out,
     })
-}
-
-/// The port at which all effects of a model act.
-fn place_of(model: &SmallModel, file: &str) -> Result<usize, WrapperError> {
-    let mut at = None;
-    let knows_friction = model
-        .ports
-        .iter()
-        .flat_map(|ports| &ports.ports)
-        .any(|port| port.friction.is_some());
-    for term in model
-        .model
-        .terms()
-        .iter()
-        .filter(|term| term.entry.name != PARAMETERS)
-    {
-        let elsewhere = |what| WrapperError::Elsewhere {
-            file: file.to_owned(),
-            effect: term.entry.name,
-            what,
-        };
-        match (term.entry.formula, term.entry.place, term.entry.role) {
-            (_, _, Role::Shift | Role::Reading) => {}
-            (Formula::Equation { operations, .. }, _, _)
-                if knows_friction && uses(operations, FRICTION) =>
-            {
-                return Err(elsewhere("changes the friction inside the FMU"));
-            }
-            (Formula::Equation { .. }, Place::Everywhere, _) => {}
-            (Formula::Equation { .. }, Place::Port(own), _) => {
-                if at.replace(own).is_some_and(|other| other != own) {
-                    return Err(elsewhere("acts at another port than the effects before it"));
-                }
-            }
-            (_, Place::Link(_), _) => return Err(elsewhere("acts between two ports")),
-            (Formula::Repeats(_), _, _) => {
-                return Err(elsewhere(
-                    "repeats within a turn, for which there is no equation",
-                ));
-            }
-            _ => return Err(elsewhere("changes something inside the FMU")),
-        }
-    }
-    Ok(at.unwrap_or(0))
 }
 
 struct Original {

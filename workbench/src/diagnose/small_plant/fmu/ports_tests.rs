@@ -1,0 +1,156 @@
+//! Several ports in a ports file: read as they are written, refused where they cannot be told apart.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use crate::diagnose::small_plant::model_file::SmallModel;
+use crate::diagnose::small_plant::term::{Place, Role, Sample};
+
+const TWO: &str = r#"[plant]
+kind = "fmu"
+path = "turn"
+
+[[port]]
+name = "disc"
+input = "disc_port.torque"
+position = "theta"
+friction = "T_f"
+
+[[port]]
+name = "motor"
+input = "motor_torque"
+velocity = "w"
+measured_velocity = { column = "w_motor", unit = "rpm" }
+repeats = [16.0]
+compare_low_pass = 20.0
+
+[inputs]
+N2 = { column = "load", unit = "N", between = "held", may_be_offset = true }
+
+[drifts]
+parameters = ["R"]
+
+[columns]
+time = { column = "t", unit = "s" }
+position = { column = "angle", unit = "rad" }
+load = { column = "load", unit = "N" }
+
+[measurement]
+motion_low_pass = 20.0
+compare_low_pass = 8.0
+compare_rate = 50.0
+
+[parameters]
+J = { value = 0.02, unit = "kg.m2", relative_uncertainty = 0.05 }
+R = { value = 2.0, unit = "Ohm", relative_uncertainty = 0.05 }
+"#;
+
+#[test]
+fn several_ports_are_written_as_they_are_read() {
+    let model = SmallModel::parse(TWO, "ports.toml").unwrap();
+    let again = SmallModel::parse(&model.to_toml("disc and motor"), "again.toml").unwrap();
+    assert_eq!(model.port_names(), ["disc", "motor"]);
+    assert_eq!(again.ports, model.ports);
+}
+
+#[test]
+fn effects_have_the_name_of_their_place() {
+    let model = SmallModel::parse(TWO, "ports.toml").unwrap();
+    let names: Vec<&str> = model.of_ports.iter().map(|own| own.name).collect();
+    for name in [
+        "coulomb_friction_at_disc",
+        "coulomb_friction_at_motor",
+        "normal_force_wobble_at_disc",
+        "ripple_16_at_motor",
+        "backlash_between_disc_and_motor",
+        "R_drift",
+        "N2_offset",
+    ] {
+        assert!(names.contains(&name), "{name}: {names:?}");
+    }
+    // No output gives the motor's friction, and the disc has no teeth.
+    for name in ["normal_force_wobble_at_motor", "ripple_16_at_disc"] {
+        assert!(!names.contains(&name), "{name}: {names:?}");
+    }
+}
+
+#[test]
+fn an_effect_acts_at_its_port_alone_and_what_is_between_two_acts_on_both() {
+    let model = SmallModel::parse(TWO, "ports.toml").unwrap();
+    let force = |name: &str, values: Vec<f64>, port: usize| {
+        let entry = model.of_ports.iter().find(|own| own.name == name).unwrap();
+        let sample = Sample {
+            velocity: 2.0,
+            direction: 1.0,
+            port,
+            links: [[0.5, 0.0], [0.5, 0.0]],
+            ..Sample::default()
+        };
+        model.model.with(entry, values).force(&sample)
+    };
+    assert_eq!(force("coulomb_friction_at_motor", vec![0.3], 0), 0.0);
+    assert_eq!(force("coulomb_friction_at_motor", vec![0.3], 1), 0.3);
+    let spring = "hardening_between_disc_and_motor";
+    assert_eq!(force(spring, vec![0.8], 0), 0.1);
+    assert_eq!(force(spring, vec![0.8], 1), -0.1);
+}
+
+#[test]
+fn a_law_at_one_port_leaves_the_friction_at_the_other() {
+    let model = SmallModel::parse(TWO, "ports.toml").unwrap();
+    let mut laws = model.of_ports.iter().filter(|own| own.role == Role::Law);
+    let law = laws.find(|own| own.place == Place::Port(0)).unwrap();
+    let values = vec![1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0];
+    let lawful = model.model.with(law, values);
+    let sample = Sample {
+        velocity: 2.0,
+        direction: 1.0,
+        load: 1.0,
+        own_friction: 0.4,
+        ..Sample::default()
+    };
+    assert!(lawful.force(&sample) > 0.0);
+    assert_eq!(lawful.force(&Sample { port: 1, ..sample }), 0.0);
+}
+
+#[test]
+fn ports_that_cannot_be_told_apart_or_have_no_motion_are_refused() {
+    let column = "measured_velocity = { column = \"w_motor\", unit = \"rpm\" }\n";
+    let offset = "may_be_offset = true }\n";
+    let more: String = ["a", "b", "c", "d"]
+        .map(|name| {
+            offset.to_owned() + name + " = { column = \"x\", unit = \"N\", between = \"held\", "
+        })
+        .concat()
+        + offset;
+    for (from, to, said) in [
+        ("name = \"motor\"\n", "", "a name of letters"),
+        (
+            "name = \"motor\"",
+            "name = \"the motor\"",
+            "a name of letters",
+        ),
+        ("name = \"motor\"", "name = \"disc\"", "no other port has"),
+        (column, "", "a column for one of them at every port"),
+        (
+            "friction = \"T_f\"\n",
+            column,
+            "[columns] has those of the first port",
+        ),
+        (
+            "compare_low_pass = 20.0",
+            "compare_low_pass = -20.0",
+            "above 0 [Hz]",
+        ),
+        ("repeats = [16.0]", "repeats = [0.0]", "numbers above 0"),
+        ("[\"R\"]", "[\"L\"]", "names out of [parameters]: J, R"),
+        (offset, more.as_str(), "4 or fewer inputs"),
+    ] {
+        assert!(TWO.contains(from), "{from}");
+        let error = SmallModel::parse(&TWO.replacen(from, to, 1), "ports.toml").unwrap_err();
+        let text = error.to_string();
+        assert!(
+            text.contains("ports.toml") && text.contains(said),
+            "{to}: {text}"
+        );
+    }
+}
