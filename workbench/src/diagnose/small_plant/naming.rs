@@ -134,7 +134,7 @@ pub fn name(
     let mut kept: Vec<Kept> = Vec::new();
     while kept.len() < most {
         let on_top = kept
-            .iter()
+            .last()
             .map(|kept| format!(", on top of {}", kept.entry.name));
         progress(&format!(
             "candidates, round {}{}",
