@@ -165,13 +165,13 @@ def main():
         translated = {NATIVE.get(effect, effect) for effect in names}
         # A stiction that the model lacks is a Stribeck law of no width to whoever sees the moving contact alone.
         known = {"stribeck" if effect == "stiction" else effect for effect in own}
-        is_same, is_wrong = translated == known, verdict == "named" and not translated <= known
+        is_same, is_wrong = translated == known, not translated <= known
         same, wrong = same + is_same, wrong + is_wrong
         times.append(took)
-        word = "same" if is_same else "wrong" if is_wrong else "other"
+        word = "same" if is_same else "wrong" if is_wrong else "less"
         said = f"{verdict}: {', '.join(names)}" + (f" (or {', '.join(rivals)})" if rivals else "")
         print(f"{name} | {answers[name]['kind']} | {native}: {', '.join(own)} | {said} | {word} | {took:.0f} s", flush=True)
-    print(f"{same} of {len(times)} as natively, {wrong} wrong names")
+    print(f"{same} of {len(times)} as natively, {wrong} with a name that the native diagnosis does not give")
     print(f"time a case: median {statistics.median(times):.0f} s, longest {max(times):.0f} s")
 
 
