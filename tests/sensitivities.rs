@@ -5,7 +5,7 @@ mod common;
 
 use common::grazing::{TOUCH, around_grazing, pressed, towards_rest};
 use common::{LAWS, rig_text};
-use stickslip::integrator::Simulation;
+use stickslip::integrator::{Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, STATES, index::*, sensitivities};
 use stickslip::series::{Dual, Scalar};
 
@@ -363,6 +363,73 @@ fn a_grazing_switch_is_reported_under_every_law_on_both_rigs() {
             }
             let name = format!("{}, full rig {full}, {rests} N", law.0);
             assert_eq!(interrupted, [false, true, false], "{name}");
+        }
+    }
+}
+
+/// States of a run with derivatives with respect to its start, and the number of its segments.
+fn from_settled(
+    rig: &Rig<f64>,
+    state: RigState<f64>,
+    tolerance: f64,
+    order: usize,
+) -> (Vec<RigState<Dual<7>>>, u64) {
+    let seeded: RigState<Dual<7>> = std::array::from_fn(|place| {
+        if place < 7 {
+            Dual::variable(state[place], place)
+        } else {
+            Dual::constant(state[place])
+        }
+    });
+    let options = Options {
+        order,
+        ..common::options(tolerance)
+    };
+    let mut run = Simulation::new(rig.lift(), options, 0.0, seeded, inputs(rig).lift()).unwrap();
+    let states = [0.0005, 0.002, 0.01, 0.03, 0.05, 0.1].map(|time| {
+        run.advance_to(time).unwrap();
+        run.state_at(time)
+    });
+    (states.to_vec(), run.statistics().segments)
+}
+
+#[test]
+fn derivatives_that_start_beside_the_slow_manifold_are_right_in_coarse_runs() {
+    for full in [false, true] {
+        for law in LAWS {
+            let rig = common::rig(full, law, "[bearing_friction]\ntorque = 0.02\n");
+            let mut run = common::start(&rig, 1e-13, moving(full, law.0), inputs(&rig)).unwrap();
+            let mut settled = 0.2;
+            run.advance_to(settled).unwrap();
+            while run.mode().disc.is_stuck() {
+                settled += 0.05;
+                run.advance_to(settled).unwrap();
+            }
+            let state = run.state_at(settled);
+            let (exact, _) = from_settled(&rig, state, 1e-13, 21);
+            let (found, segments) = from_settled(&rig, state, 1e-6, 14);
+            for slot in 0..7 {
+                let column = |state: &RigState<Dual<7>>| state.map(|x| x.derivative[slot]);
+                let size = column(&exact[0])
+                    .into_iter()
+                    .fold(0.0, |a: f64, x| a.max(x.abs()));
+                for (found, exact) in found.iter().map(column).zip(exact.iter().map(column)) {
+                    for (found, exact) in found.iter().zip(&exact) {
+                        assert!(
+                            (found - exact).abs() <= 1e-5 * size,
+                            "{}, full rig {full}, slot {slot}: {found:e} instead of {exact:e}",
+                            law.0
+                        );
+                    }
+                }
+            }
+            // The motor's transients take some fifteen segments of a series that follows them.
+            let follows_them = law.0 == "wojewoda";
+            assert!(
+                follows_them || segments <= 6,
+                "{}: {segments} segments",
+                law.0
+            );
         }
     }
 }

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use thiserror::Error;
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 /// Why an archive could not be made or written.
 #[derive(Debug, Error)]
@@ -46,10 +47,51 @@ pub enum ArchiveError {
     },
 }
 
+/// A library compressed once, for all archives that it goes into.
+#[derive(Debug, Clone)]
+pub struct CompressedLibrary {
+    /// An archive that has it alone.
+    archive: Arc<Vec<u8>>,
+}
+
+impl CompressedLibrary {
+    /// Compresses a library's bytes.
+    ///
+    /// # Errors
+    /// [`ArchiveError::Pack`] if the zip writer refuses.
+    pub fn new(content: &[u8]) -> Result<Self, ArchiveError> {
+        let mut alone = Archive::default();
+        alone.add(&format!("{BINARIES}library"), content)?;
+        Ok(Self {
+            archive: Arc::new(alone.to_bytes()?),
+        })
+    }
+
+    /// Adds it to an archive as the file `name`.
+    fn copy(
+        &self,
+        name: &str,
+        writer: &mut ZipWriter<Cursor<Vec<u8>>>,
+    ) -> zip::result::ZipResult<()> {
+        let mut archive = ZipArchive::new(Cursor::new(self.archive.as_slice()))?;
+        writer.raw_copy_file_rename(archive.by_index_raw(0)?, name)
+    }
+}
+
+/// Folder of the libraries, which may be executed.
+const BINARIES: &str = "binaries/";
+
+/// A file of an archive.
+#[derive(Debug, Clone)]
+enum Content {
+    Bytes(Vec<u8>),
+    Library(CompressedLibrary),
+}
+
 /// Files of an archive by their name inside it, packed in alphabetical order.
 #[derive(Debug, Default, Clone)]
 pub struct Archive {
-    entries: BTreeMap<String, Vec<u8>>,
+    entries: BTreeMap<String, Content>,
 }
 
 impl Archive {
@@ -58,6 +100,22 @@ impl Archive {
     /// # Errors
     /// [`ArchiveError::EntryName`] if the name is absolute, holds a backslash, `.` or `..`, or is taken.
     pub fn add(&mut self, name: &str, content: impl Into<Vec<u8>>) -> Result<(), ArchiveError> {
+        self.insert(name, Content::Bytes(content.into()))
+    }
+
+    /// As [`Archive::add`], a library.
+    ///
+    /// # Errors
+    /// As [`Archive::add`].
+    pub fn add_library(
+        &mut self,
+        name: &str,
+        library: CompressedLibrary,
+    ) -> Result<(), ArchiveError> {
+        self.insert(name, Content::Library(library))
+    }
+
+    fn insert(&mut self, name: &str, content: Content) -> Result<(), ArchiveError> {
         let refuse = |reason| ArchiveError::EntryName {
             name: name.to_owned(),
             reason,
@@ -77,7 +135,7 @@ impl Archive {
         {
             return Err(refuse("is already in the archive"));
         }
-        self.entries.insert(name.to_owned(), content.into());
+        self.entries.insert(name.to_owned(), content);
         Ok(())
     }
 
@@ -92,11 +150,18 @@ impl Archive {
                 name: name.clone(),
                 source,
             };
+            let content = match content {
+                Content::Bytes(bytes) => bytes,
+                Content::Library(library) => {
+                    library.copy(name, &mut writer).map_err(pack)?;
+                    continue;
+                }
+            };
             let options = SimpleFileOptions::default()
                 .compression_method(CompressionMethod::Deflated)
                 .compression_level(Some(9))
                 .last_modified_time(DateTime::default())
-                .unix_permissions(if name.starts_with("binaries/") {
+                .unix_permissions(if name.starts_with(BINARIES) {
                     0o755
                 } else {
                     0o644
@@ -167,6 +232,17 @@ mod tests {
             .add("binaries/linux64/Rig.so", vec![7; 10_000])
             .unwrap();
         other.add("modelDescription.xml", "<a/>").unwrap();
+        assert_eq!(sample().to_bytes().unwrap(), other.to_bytes().unwrap());
+    }
+
+    #[test]
+    fn a_library_compressed_before_gives_the_same_bytes() {
+        let mut other = Archive::default();
+        other.add("modelDescription.xml", "<a/>").unwrap();
+        let library = CompressedLibrary::new(&[7; 10_000]).unwrap();
+        other
+            .add_library("binaries/linux64/Rig.so", library)
+            .unwrap();
         assert_eq!(sample().to_bytes().unwrap(), other.to_bytes().unwrap());
     }
 

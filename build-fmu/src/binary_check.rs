@@ -409,11 +409,8 @@ mod tests {
 
     #[test]
     fn a_file_that_is_no_library_is_refused() {
-        let library = Library {
-            path: PathBuf::from("notes.txt"),
-            platform: Platform::current().unwrap(),
-            content: b"no library".to_vec(),
-        };
+        let platform = Platform::current().unwrap();
+        let library = Library::new(PathBuf::from("notes.txt"), platform, b"no library".to_vec());
         let error = check(&library, FmiVersion::Fmi2, &expectation()).unwrap_err();
         assert!(matches!(error, BinaryError::Header { .. }), "{error}");
         assert!(error.to_string().contains("notes.txt"), "{error}");

@@ -65,7 +65,7 @@ pub fn contents(
             facts.identity.model_identifier,
             library.platform.library_extension()
         );
-        archive.add(&binary, library.content.as_slice())?;
+        archive.add_library(&binary, library.compressed()?)?;
     }
     let icon = icon::png()?;
     let licenses = match version {

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use thiserror::Error;
 
+use crate::archive::{ArchiveError, CompressedLibrary};
 use crate::binary_header::{self, HeaderError};
 use crate::platform::Platform;
 
@@ -20,6 +21,34 @@ pub struct Library {
     pub platform: Platform,
     /// The file's bytes.
     pub content: Vec<u8>,
+    compressed: Arc<Mutex<Option<CompressedLibrary>>>,
+}
+
+impl Library {
+    /// A library with these bytes.
+    #[must_use]
+    pub fn new(path: PathBuf, platform: Platform, content: Vec<u8>) -> Self {
+        Self {
+            path,
+            platform,
+            content,
+            compressed: Arc::default(),
+        }
+    }
+
+    /// The library as archives take it, compressed when it is first asked for; threads that ask meanwhile wait.
+    ///
+    /// # Errors
+    /// As [`CompressedLibrary::new`].
+    pub fn compressed(&self) -> Result<CompressedLibrary, ArchiveError> {
+        let kept = self.compressed.lock();
+        let mut kept = kept.unwrap_or_else(PoisonError::into_inner);
+        let compressed = match kept.take() {
+            Some(compressed) => compressed,
+            None => CompressedLibrary::new(&self.content)?,
+        };
+        Ok(kept.insert(compressed).clone())
+    }
 }
 
 /// Why there is no library to pack.
@@ -242,11 +271,7 @@ fn read(path: &Path) -> Result<Library, LibraryError> {
         Err(source) => return Err(LibraryError::Read { path, source }),
     };
     match binary_header::platform(&content) {
-        Ok(Some(platform)) => Ok(Library {
-            path,
-            platform,
-            content,
-        }),
+        Ok(Some(platform)) => Ok(Library::new(path, platform, content)),
         Ok(None) => Err(LibraryError::OtherPlatform { path }),
         Err(source) => Err(LibraryError::Header { path, source }),
     }

@@ -218,17 +218,32 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
     /// Component `index` of the state at `time` [s], which the present segment must cover.
     #[inline]
     pub fn component_at(&self, index: usize, time: f64) -> S {
+        self.component_after(index, S::constant(time) - self.start)
+    }
+
+    /// Component `index` of the state at local time `tau` [s] of the present segment.
+    #[inline]
+    pub fn component_after(&self, index: usize, tau: S) -> S {
         let order = self.options.order;
-        evaluate(
-            &self.system.states(&self.jet)[index][..=order],
-            S::constant(time) - self.start,
-        )
+        let series = &self.system.states(&self.jet)[index];
+        let mut component = evaluate(&series[..=order], tau);
+        if let Some(beside) = self.system.beside_series(&self.jet, index, tau.value()) {
+            component += beside;
+        }
+        component
     }
 
     pub(super) fn state_after(&self, tau: S) -> P::State {
         let mut state = self.state;
         let order = self.options.order;
         evaluate_all(self.system.states(&self.jet), order, tau, state.as_mut());
+        if S::HAS_DERIVATIVES {
+            for (index, component) in state.as_mut().iter_mut().enumerate() {
+                if let Some(beside) = self.system.beside_series(&self.jet, index, tau.value()) {
+                    *component += beside;
+                }
+            }
+        }
         state
     }
 

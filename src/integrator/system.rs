@@ -65,6 +65,11 @@ pub trait HybridSystem<S: Scalar> {
     /// The state's series in an expanded jet.
     fn states<'a>(&self, jet: &'a Self::Jet) -> &'a [Series<S>];
 
+    /// What the derivatives of component `index` of the state have beside its series at local time `tau` [s].
+    fn beside_series(&self, _jet: &Self::Jet, _index: usize, _tau: f64) -> Option<S> {
+        None
+    }
+
     /// The longest segment [s] at which the derivatives in an expanded jet hold; the states' values are the
     /// integrator's business.
     fn reach(&self, _jet: &Self::Jet) -> f64 {

@@ -52,21 +52,16 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         let ratio = rig.gearbox.ratio;
         let motor_inertia = ratio * ratio * rig.motor.inertia;
         let effects = &rig.effects;
-        let mut viscous = rig.motor.viscous_damping;
-        if let Some(extra) = &effects.motor_viscous {
-            viscous += extra.coefficient;
-        }
         let gap = effects.backlash.map_or(S::ZERO, |backlash| backlash.gap);
         let inverse_inertia = one / rig.disc.inertia;
-        let bearing = effects.bearing_friction.map_or(S::ZERO, |b| b.torque);
         Self {
             rig,
-            has_effects: rig.act_on_motion(),
+            has_effects: rig.needs_effect_series(),
             inverse_motor_inertia: one / motor_inertia,
             inverse_inductance: one / rig.motor.inductance,
             ratio,
             current_to_torque: ratio * rig.motor.torque_constant,
-            motor_damping: ratio * ratio * viscous,
+            motor_damping: ratio * ratio * rig.motor_viscous_damping(),
             back_emf: ratio * rig.motor.back_emf_constant,
             motor_coulomb: ratio * rig.motor.coulomb_torque,
             play: gap * 0.5,
@@ -107,7 +102,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 law: &rig.law,
                 inertia: rig.disc.inertia,
                 inverse_inertia,
-                constant_torque: bearing,
+                constant_torque: rig.bearing_torque(),
                 near: mode.near[0],
                 folded: mode.folded[0],
             },

@@ -181,13 +181,22 @@ section! {
     }
 }
 
+/// How an effect comes into the motion.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Acts {
+    /// By another number of the rig, its load or its voltage, or on what is read alone: the recurrences stay those of the plain rig.
+    ByNumbers,
+    /// By series of its own beside the rig's.
+    BySeries,
+}
+
 macro_rules! effects {
     (
         $(#[$doc:meta])*
         $effects:ident
         $(#[$names_doc:meta])*
         $names:ident
-        $( $field:ident : $kind:ident, )*
+        $( $field:ident : $kind:ident, $acts:ident; )*
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
@@ -248,9 +257,9 @@ macro_rules! effects {
                 sections
             }
 
-            /// Whether any effect that is on acts on the motion and not only on what is read.
-            pub fn act_on_motion(&self) -> bool {
-                self.active().iter().any(|(name, _)| *name != "sensor_delay")
+            /// Whether any effect that is on needs series of its own beside the rig's.
+            pub(super) fn need_series(&self) -> bool {
+                false $( || (Acts::$acts == Acts::BySeries && self.$field.is_some()) )*
             }
 
             /// The effects that are on, by name, to be changed.
@@ -275,25 +284,25 @@ effects! {
     Effects
     /// Names of all effects, as `model.toml` spells their sections.
     EFFECT_NAMES
-    bearing_friction: BearingFriction,
-    normal_force_wobble: NormalForceWobble,
-    position_friction: PositionFriction,
-    unbalance: Unbalance,
-    viscous_drag: ViscousDrag,
-    quadratic_drag: QuadraticDrag,
-    shaft_hardening: ShaftHardening,
-    shaft_hysteresis: ShaftHysteresis,
-    backlash: Backlash,
-    gear_ripple: GearRipple,
-    motor_viscous: MotorViscous,
-    supply_sag: SupplySag,
-    resistance_drift: ResistanceDrift,
-    load_cell_bias: LoadCellBias,
-    friction_wear: FrictionWear,
-    load_exponent: LoadExponent,
-    presliding: Presliding,
-    stochastic_friction: StochasticFriction,
-    sensor_delay: SensorDelay,
+    bearing_friction: BearingFriction, ByNumbers;
+    normal_force_wobble: NormalForceWobble, BySeries;
+    position_friction: PositionFriction, BySeries;
+    unbalance: Unbalance, BySeries;
+    viscous_drag: ViscousDrag, BySeries;
+    quadratic_drag: QuadraticDrag, BySeries;
+    shaft_hardening: ShaftHardening, BySeries;
+    shaft_hysteresis: ShaftHysteresis, BySeries;
+    backlash: Backlash, BySeries;
+    gear_ripple: GearRipple, BySeries;
+    motor_viscous: MotorViscous, ByNumbers;
+    supply_sag: SupplySag, ByNumbers;
+    resistance_drift: ResistanceDrift, BySeries;
+    load_cell_bias: LoadCellBias, ByNumbers;
+    friction_wear: FrictionWear, ByNumbers;
+    load_exponent: LoadExponent, ByNumbers;
+    presliding: Presliding, BySeries;
+    stochastic_friction: StochasticFriction, BySeries;
+    sensor_delay: SensorDelay, ByNumbers;
 }
 
 effects! {
@@ -302,12 +311,12 @@ effects! {
     OuterEffects
     /// Names of the effects on disc D1, as `model.toml` spells their sections.
     OUTER_EFFECT_NAMES
-    bearing_friction1: BearingFriction,
-    unbalance1: Unbalance,
-    viscous_drag1: ViscousDrag,
-    quadratic_drag1: QuadraticDrag,
-    normal_force_wobble1: NormalForceWobble,
-    shaft_hardening1: ShaftHardening,
+    bearing_friction1: BearingFriction, BySeries;
+    unbalance1: Unbalance, BySeries;
+    viscous_drag1: ViscousDrag, BySeries;
+    quadratic_drag1: QuadraticDrag, BySeries;
+    normal_force_wobble1: NormalForceWobble, BySeries;
+    shaft_hardening1: ShaftHardening, BySeries;
 }
 
 /// Parameters of the effect `name` on either disc; `None` if there is no such effect.

@@ -49,7 +49,6 @@ impl<S: Scalar> Rig<S> {
             return;
         }
         let bodies = Bodies::new(self, mode, inputs);
-        jet.disc.constant_torque = bodies.disc_slip.constant_torque;
         if let (Some(pin), Some(slip)) = (&mut jet.disc1, &bodies.disc1_slip) {
             pin.constant_torque = slip.constant_torque;
         }
@@ -130,6 +129,7 @@ impl<S: Scalar> Rig<S> {
         jet: &mut RigJet<S>,
     ) -> bool {
         jet.order = order;
+        jet.fading = None;
         for (series, &value) in jet.states.iter_mut().zip(state) {
             series[0] = value;
         }
@@ -140,6 +140,13 @@ impl<S: Scalar> Rig<S> {
             jet.voltage_is_constant,
             &mut jet.voltage,
         );
+        // Where there are series of effects, equations among them see the voltage before it sags.
+        if let (Some(sag), None) = (&self.effects.supply_sag, &jet.effects) {
+            for c in &mut jet.voltage {
+                *c = *c * sag.factor;
+            }
+        }
+        jet.disc.constant_torque = self.bearing_torque();
         let varying = self.effects.normal_force_wobble.is_some()
             || self.effects.position_friction.is_some()
             || self.effects.stochastic_friction.is_some();

@@ -1,6 +1,7 @@
 //! Series of everything in the rig over one segment.
 
 use super::equation::EquationJet;
+use super::fading::Fading;
 use super::linear_parts::LinearParts;
 use super::slow_motion::SlowMotion;
 use super::tangent::Tangent;
@@ -64,6 +65,8 @@ pub struct RigJet<S> {
     pub(super) tangent: Option<Box<Tangent<S>>>,
     /// Whether the motion of this segment is in `tangent`, and only the states' series are here.
     pub(super) follows_tangent: bool,
+    /// What the derivatives have beside the series of the states.
+    pub(super) fading: Option<Box<Fading<S>>>,
     pub(super) effects: Option<Box<EffectJet<S>>>,
     pub(super) guards: Vec<Guard<RigGuard>>,
     pub(super) order: usize,
@@ -97,7 +100,6 @@ pub(super) struct EffectJet<S> {
     pub elastic_twist: Series<S>,
     pub twist_square: Series<S>,
     pub base_load: Series<S>,
-    pub power_load: Series<S>,
     pub steady_load: Series<S>,
     pub noise: Series<S>,
 }
@@ -148,14 +150,14 @@ impl<S: Scalar> RigJet<S> {
     /// Empty series for `rig`.
     pub fn new(rig: &Rig<S>) -> Self {
         let zero = [S::ZERO; TERMS];
-        let effects = rig.act_on_motion().then(|| {
+        let effects = rig.needs_effect_series().then(|| {
             let outer = rig.outer.as_ref();
             Box::new(EffectJet {
                 factor: zero,
                 scratch: zero,
                 turn: TurnJet::new(),
                 outer: outer
-                    .filter(|outer| outer.effects.act_on_motion())
+                    .filter(|outer| outer.effects.need_series())
                     .map(|_| Box::new(OuterEffectJet::new())),
                 equations: (rig.equations.active().next())
                     .map(|_| Box::new(EquationJet::new(&rig.equations))),
@@ -167,7 +169,6 @@ impl<S: Scalar> RigJet<S> {
                 elastic_twist: zero,
                 twist_square: zero,
                 base_load: zero,
-                power_load: zero,
                 steady_load: zero,
                 noise: zero,
             })
@@ -188,6 +189,7 @@ impl<S: Scalar> RigJet<S> {
             parts,
             tangent,
             follows_tangent: false,
+            fading: None,
             slow: if rig.outer.is_some() {
                 SlowMotions::Full(Box::new(SlowMotion::new()))
             } else {

@@ -38,7 +38,7 @@ pub(super) struct LinearParts<S> {
 }
 
 impl<S: Scalar> LinearParts<S> {
-    /// The numbers of `rig` without its effects.
+    /// The numbers of `rig`, without the effects that have series of their own.
     pub fn new(rig: &Rig<S>) -> Self {
         let one = S::constant(1.0);
         let ratio = rig.gearbox.ratio;
@@ -49,7 +49,7 @@ impl<S: Scalar> LinearParts<S> {
             inertia: rig.disc.inertia,
             inverse_inertia: one / rig.disc.inertia,
             current_to_torque: ratio * rig.motor.torque_constant,
-            motor_damping: ratio * ratio * rig.motor.viscous_damping,
+            motor_damping: ratio * ratio * rig.motor_viscous_damping(),
             motor_coulomb: ratio * rig.motor.coulomb_torque,
             inverse_motor_inertia: one / (ratio * ratio * rig.motor.inertia),
             resistance: rig.motor.resistance,

@@ -1,7 +1,7 @@
 //! Normal forces on the pins: what presses, and what the effects make of it before the disc turns.
 
 use super::inputs::recentre;
-use super::jet::{EffectJet, RigJet};
+use super::jet::RigJet;
 use super::{Rig, RigInputs};
 use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
 
@@ -55,14 +55,14 @@ impl<S: Scalar> Rig<S> {
                 equations.loads[0] = pin.load;
                 lift_off(&mut equations.loads[0], constant, 0.0);
             }
-            match (&self.effects.load_exponent, &mut jet.effects) {
-                (Some(exponent), Some(work)) => {
+            match &self.effects.load_exponent {
+                Some(exponent) => {
                     pin.moving[0] = lift_off(&mut pin.load, constant, SMALLEST_POWER_LOAD);
                     if pin.load[0].value() > 0.0 {
-                        power(exponent.exponent, constant, &mut pin.load, work);
+                        power(exponent.exponent, constant, &mut pin.load);
                     }
                 }
-                _ => pin.moving[0] = lift_off(&mut pin.load, constant, 0.0),
+                None => pin.moving[0] = lift_off(&mut pin.load, constant, 0.0),
             }
             scale(&mut pin.load, constant, self.contact.radius);
         }
@@ -119,22 +119,23 @@ pub(super) fn scale<S: Scalar>(series: &mut Series<S>, constant: bool, factor: S
 }
 
 /// Replaces a positive load by 50 N (N/50 N)^exponent.
-fn power<S: Scalar>(exponent: S, constant: bool, load: &mut Series<S>, work: &mut EffectJet<S>) {
+fn power<S: Scalar>(exponent: S, constant: bool, load: &mut Series<S>) {
     let first = load[0];
     let scaled = (first * (1.0 / REFERENCE_LOAD)).powf(exponent) * REFERENCE_LOAD;
-    work.power_load[0] = scaled;
-    if !constant {
-        // k y_k x_0 = Σ_{j=1..k} (p j − (k − j)) x_j y_{k−j} for y = x^p.
-        for k in 1..TERMS {
-            let mut sum = S::ZERO;
-            for j in 1..=k {
-                let weight = exponent * j as f64 - (k - j) as f64;
-                sum += weight * load[j] * work.power_load[k - j];
-            }
-            work.power_load[k] = sum * RECIPROCAL[k] / first;
-        }
-        *load = work.power_load;
-    } else {
+    if constant {
         load[0] = scaled;
+        return;
     }
+    let mut powers = [S::ZERO; TERMS];
+    powers[0] = scaled;
+    // k y_k x_0 = Σ_{j=1..k} (p j − (k − j)) x_j y_{k−j} for y = x^p.
+    for k in 1..TERMS {
+        let mut sum = S::ZERO;
+        for j in 1..=k {
+            let weight = exponent * j as f64 - (k - j) as f64;
+            sum += weight * load[j] * powers[k - j];
+        }
+        powers[k] = sum * RECIPROCAL[k] / first;
+    }
+    *load = powers;
 }

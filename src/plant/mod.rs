@@ -11,6 +11,7 @@ mod effects;
 mod equation;
 mod equation_series;
 mod expansion;
+mod fading;
 mod folds;
 mod guards;
 mod indicators;

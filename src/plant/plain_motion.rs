@@ -19,6 +19,8 @@ pub(super) enum Pin<'a, S> {
         sign: f64,
         /// Load with that sign [N m].
         load: S,
+        /// Torque beside the law with that sign [N m].
+        constant_torque: S,
         inverse_inertia: S,
     },
     /// Any other.
@@ -45,6 +47,7 @@ impl<'a, S: Scalar> Pin<'a, S> {
                 curve,
                 sign: direction.sign(),
                 load: pin.load[0] * direction.sign(),
+                constant_torque: pin.constant_torque * direction.sign(),
                 inverse_inertia,
             };
         }
@@ -56,7 +59,7 @@ impl<'a, S: Scalar> Pin<'a, S> {
                 law,
                 inertia,
                 inverse_inertia,
-                constant_torque: S::ZERO,
+                constant_torque: pin.constant_torque,
                 near,
                 folded,
             },
@@ -80,6 +83,7 @@ impl<'a, S: Scalar> Pin<'a, S> {
                 curve,
                 sign,
                 load,
+                constant_torque,
                 inverse_inertia,
             } => {
                 let (weighted, excess) = (&mut jet.slip.level, &mut jet.slip.lower_level);
@@ -87,7 +91,7 @@ impl<'a, S: Scalar> Pin<'a, S> {
                 let scale = *inverse_inertia * per_next;
                 if k == 0 {
                     excess[0] = curve.span * (-(rate * omega[0])).exp();
-                    jet.torque[0] = *load * (curve.mu_c + excess[0]);
+                    jet.torque[0] = *load * (curve.mu_c + excess[0]) + *constant_torque;
                     return -((resisting + jet.torque[0]) * scale);
                 }
                 weighted[k] = -(rate * omega[k] * k as f64);

@@ -149,14 +149,11 @@ impl<S: Scalar> Rig<S> {
         sections
     }
 
-    /// Whether any effect that is on acts on the motion and not only on what is read.
-    pub fn act_on_motion(&self) -> bool {
-        let on_outer = self
-            .outer
-            .as_ref()
-            .map(|outer| outer.effects.act_on_motion());
-        self.effects.act_on_motion()
-            || on_outer == Some(true)
+    /// Whether any effect that is on needs series of its own beside the rig's.
+    pub(super) fn needs_effect_series(&self) -> bool {
+        let on_outer = self.outer.as_ref();
+        self.effects.need_series()
+            || on_outer.is_some_and(|outer| outer.effects.need_series())
             || self.equations.active().next().is_some()
     }
 
@@ -197,6 +194,21 @@ impl<S: Scalar> Rig<S> {
             known.find(|effect| effect.definition.name() == name)
         };
         effect_infos(name).or_else(|| by_equation().map(|effect| effect.definition.infos()))
+    }
+
+    /// Dry friction torque of the bearings of D2.
+    pub(super) fn bearing_torque(&self) -> S {
+        let bearing = self.effects.bearing_friction.as_ref();
+        bearing.map_or(S::ZERO, |bearing| bearing.torque)
+    }
+
+    /// Viscous damping of the motor, on its own side.
+    pub(super) fn motor_viscous_damping(&self) -> S {
+        let mut damping = self.motor.viscous_damping;
+        if let Some(extra) = &self.effects.motor_viscous {
+            damping += extra.coefficient;
+        }
+        damping
     }
 
     /// All parameters in a fixed order.

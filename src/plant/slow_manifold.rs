@@ -51,6 +51,23 @@ pub(super) enum DiscMotion {
     Kept,
 }
 
+/// How the friction of a driven disc answers to its motion, to first order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Feedback {
+    /// −(∂T/∂ω)/J [1/s].
+    pub by_velocity: f64,
+    /// 1/(1 + (∂T/∂a)/J): share of a torque's acceleration that friction leaves.
+    pub share: f64,
+}
+
+impl Feedback {
+    /// None at all.
+    pub const NONE: Self = Self {
+        by_velocity: 0.0,
+        share: 1.0,
+    };
+}
+
 /// Chang's transformation for one combination of resting parts.
 #[derive(Clone, Debug)]
 pub(super) struct SlowManifold<S, const N: usize> {
@@ -65,9 +82,23 @@ pub(super) struct SlowManifold<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> SlowManifold<S, N> {
-    /// The transformation, or `None` if the fast variables are not stable and far from the slow ones.
-    pub fn new(parts: &LinearParts<S>, regimes: &Regimes) -> Option<Self> {
-        let (a11, a12, a21, a22) = blocks::<S, N>(parts, regimes);
+    /// The transformation and A_f, or `None` if the fast variables are not stable and far from the slow ones.
+    pub fn new(
+        parts: &LinearParts<S>,
+        regimes: &Regimes,
+        feedback: [Feedback; 2],
+    ) -> Option<(Self, Matrix<S, 2, 2>)> {
+        let (mut a11, mut a12, a21, a22) = blocks::<S, N>(parts, regimes);
+        for (place, (motion, feedback)) in [DISC, DISC_1]
+            .into_iter()
+            .zip(regimes.discs.into_iter().zip(feedback))
+        {
+            if place < N && motion == DiscMotion::Driven {
+                a11[place][place] = a11[place][place] + feedback.by_velocity;
+                a11[place] = a11[place].map(|a| a * feedback.share);
+                a12[place] = a12[place].map(|a| a * feedback.share);
+            }
+        }
         let a22_inverse = inverse(&a22)?;
         let mut fast_from_slow = [[S::ZERO; N]; 2];
         let found = iterate(&mut fast_from_slow, |l| {
@@ -84,12 +115,13 @@ impl<S: Scalar, const N: usize> SlowManifold<S, N> {
             });
         let stable = (fast[0][0] + fast[1][1]).value() < 0.0
             && (fast[0][0] * fast[1][1] - fast[0][1] * fast[1][0]).value() > 0.0;
-        (found && stable).then_some(Self {
+        let manifold = Self {
             fast_from_slow,
             slow_from_fast,
             slow,
             fast_inverse,
-        })
+        };
+        (found && stable).then_some((manifold, fast))
     }
 
     /// (s, q) of transformed coordinates.

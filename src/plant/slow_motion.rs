@@ -6,7 +6,7 @@ use super::jet::RigJet;
 use super::linear_parts::LinearParts;
 use super::plain_motion::Pin;
 use super::slow_manifold::{
-    CURRENT, DISC, DISC_1, DiscMotion, MOTOR, Regimes, SlowManifold, TWIST, TWIST_1, dot,
+    CURRENT, DISC, DISC_1, DiscMotion, Feedback, MOTOR, Regimes, SlowManifold, TWIST, TWIST_1, dot,
 };
 use super::tangent::SlowTangent;
 use super::{INPUT_TERMS, RigInputs, RigMode, RigState};
@@ -59,7 +59,8 @@ impl<S: Scalar, const N: usize> SlowMotion<S, N> {
         if let Some((_, manifold)) = self.found.iter().find(|(known, _)| *known == regimes) {
             return manifold.clone();
         }
-        let manifold = SlowManifold::new(parts, &regimes);
+        let found = SlowManifold::new(parts, &regimes, [Feedback::NONE; 2]);
+        let manifold = found.map(|(manifold, _)| manifold);
         self.found.push((regimes, manifold.clone()));
         manifold
     }

@@ -240,6 +240,10 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
         &jet.states[..used]
     }
 
+    fn beside_series(&self, jet: &RigJet<S>, index: usize, tau: f64) -> Option<S> {
+        jet.fading.as_ref().map(|fading| fading.at(index, tau))
+    }
+
     fn reach(&self, jet: &RigJet<S>) -> f64 {
         let tangent = jet.tangent.as_ref().filter(|_| jet.follows_tangent);
         tangent.map_or(f64::INFINITY, |tangent| tangent.reach)
@@ -273,8 +277,12 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                 state[velocity_of(contact)] * sliding(contact) - band
             }
             RigGuard::Turn(contact, earlier) => {
-                let velocity = &jet.states[velocity_of(contact)][..=jet.order];
-                let acceleration = evaluate_derivative(velocity, S::constant(tau));
+                let place = velocity_of(contact);
+                let velocity = &jet.states[place][..=jet.order];
+                let mut acceleration = evaluate_derivative(velocity, S::constant(tau));
+                if let Some(fading) = &jet.fading {
+                    acceleration += fading.rate_at(place, tau);
+                }
                 acceleration * (sliding(contact) * earlier.sign())
             }
             _ => {

@@ -5,11 +5,13 @@
 #[path = "common/interrupt.rs"]
 mod interrupt;
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::interrupt::{Interrupted, said};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
 use workbench::analysis::motion::Motion;
 use workbench::ensemble::{Conditions, Settings, Uncertain, at_places};
 use workbench::map::{self, Point, Quantity, Study};
@@ -243,6 +245,49 @@ fn the_number_of_threads_changes_no_byte() {
             .lines()
             .count(),
         1 + 30
+    );
+}
+
+/// The lines that a Parquet file has as CSV.
+fn lines_of_parquet(path: &Path) -> Vec<String> {
+    let reader = SerializedFileReader::new(File::open(path).unwrap()).unwrap();
+    let metadata = reader.metadata().file_metadata();
+    let columns = metadata.schema_descr().columns().iter();
+    let names: Vec<&str> = columns.map(|column| column.name()).collect();
+    let rows = reader.get_row_iter(None).unwrap().map(|row| {
+        let row = row.unwrap();
+        let fields = row.get_column_iter().map(|(_, field)| match field {
+            Field::Null => String::new(),
+            Field::Double(value) => format!("{value:?}"),
+            Field::Long(value) => value.to_string(),
+            Field::Str(word) => word.clone(),
+            other => other.to_string(),
+        });
+        fields.collect::<Vec<String>>().join(",")
+    });
+    std::iter::once(names.join(",")).chain(rows).collect()
+}
+
+#[test]
+fn parquet_has_the_numbers_of_csv() {
+    let place = tempfile::tempdir().unwrap();
+    let at = |name: &str| place.path().join(name);
+    for format in ["csv", "parquet"] {
+        let mut command = ensemble(&at(format), "5", &GRID);
+        let output = command.args(["--tables", format]).output().unwrap();
+        assert!(output.status.success(), "{}", said(&output));
+        let written = format!("ensemble.{format} and runs.{format}, rigs.{format}");
+        let screen = String::from_utf8(output.stdout).unwrap();
+        assert!(screen.contains(&written), "{screen}");
+    }
+    for table in ["ensemble", "runs", "rigs"] {
+        let csv = fs::read_to_string(at("csv").join(format!("{table}.csv"))).unwrap();
+        let parquet = at("parquet").join(format!("{table}.parquet"));
+        assert_eq!(lines_of_parquet(&parquet), csv.lines().collect::<Vec<_>>());
+    }
+    assert!(
+        !at("parquet").join("runs.csv").exists(),
+        "one format at a time"
     );
 }
 

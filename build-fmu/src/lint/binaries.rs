@@ -140,11 +140,7 @@ fn library(
     if loading == Loading::FilesOnly || Platform::current() != Some(platform) {
         return Vec::new();
     }
-    let library = Library {
-        path: path.into(),
-        platform,
-        content,
-    };
+    let library = Library::new(path.into(), platform, content);
     instantiation(package, description, identifier, &library)
         .into_iter()
         .collect()

@@ -364,10 +364,9 @@ fn disc_reading<const N: usize>(
     }
     simulation.advance_to(when.value)?;
     let tau = when - simulation.segment_start();
-    let series = stickslip::integrator::HybridSystem::states(simulation.system(), simulation.jet());
     Ok((
-        evaluate(&series[index::THETA][..=ORDER], tau),
-        evaluate(&series[index::OMEGA][..=ORDER], tau),
+        simulation.component_after(index::THETA, tau),
+        simulation.component_after(index::OMEGA, tau),
     ))
 }
 

@@ -139,6 +139,10 @@ fn explore(
             }
         }
         for larger in stand_ins(&current, known) {
+            if larger.score() == f64::NEG_INFINITY {
+                // A number at the limit of its range may mean that the law started at the wrong place for the effect beside it.
+                start_law_again(problem, &larger, known, progress);
+            }
             let extra = |name: &&&'static str| !current.effects.contains(*name);
             if let Some(left_out) = larger.effects.iter().find(extra) {
                 remove(problem, &larger, left_out, known, progress);

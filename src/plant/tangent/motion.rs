@@ -20,6 +20,9 @@ const OVER_TOLERANCE: f64 = 10.0;
 
 /// Terms of a derivative's series by which its size is judged.
 const FIRST_TERMS: usize = 4;
+/// Most times that the reach of a series is judged anew by its size within the reach found before. Each time the logarithm of what is
+/// too long shrinks by the order of the largest term over that of the last: where that is a half, 4000 times in all.
+const MOST_LOOKS: usize = 12;
 
 /// A motion and the equations of its derivatives.
 #[derive(Clone, Debug)]
@@ -52,7 +55,10 @@ impl<S: Scalar> Tangent<S> {
         Self {
             jet: RigJet::new(&plain),
             rig: plain,
-            pins: [PinTangent::new(&rig.law), PinTangent::new(outer)],
+            pins: [
+                PinTangent::new(&rig.law, rig.bearing_torque()),
+                PinTangent::new(outer, S::ZERO),
+            ],
             owed: Box::new([[S::ZERO; TERMS]; ROWS]),
             accelerations: Box::new([[S::ZERO; TERMS]; 2]),
             debts: Debts::new(parts),
@@ -126,15 +132,15 @@ impl<S: Scalar> Tangent<S> {
     /// Finds how far the derivatives up to order `top` in `jet` reach; whether that is as far as the motion.
     pub fn judge(&mut self, top: usize, order: usize, jet: &RigJet<S>) -> bool {
         if top == order && self.expected < order {
-            self.lively = self.reach_of(self.expected, FIRST_TERMS, jet) < self.step;
+            self.lively = self.reach_of(self.expected, FIRST_TERMS, self.step, jet) < self.step;
         }
-        self.reach = self.reach_of(top, FIRST_TERMS, jet);
+        self.reach = self.reach_of(top, FIRST_TERMS, self.step, jet);
         self.reach >= self.step
     }
 
     /// Time [s] in which the last terms of the derivatives up to order `top` stay below [`Self::accuracy`], their size
-    /// judged by the first `terms`.
-    fn reach_of(&self, top: usize, terms: usize, jet: &RigJet<S>) -> f64 {
+    /// judged by the first `terms` at time `step`.
+    fn reach_of(&self, top: usize, terms: usize, step: f64, jet: &RigJet<S>) -> f64 {
         let (rates, angles): (&[usize], &[usize]) = if self.rig.outer.is_some() {
             (&[OMEGA, OMEGA3, CURRENT, OMEGA1], &[THETA, THETA3, THETA1])
         } else {
@@ -149,23 +155,34 @@ impl<S: Scalar> Tangent<S> {
             let mut power = 1.0;
             for c in &series[..terms] {
                 whole.enlarge(power, c);
-                power *= self.step;
+                power *= step;
             }
             last.enlarge(1.0, &series[top - 1]);
-            last.enlarge(self.step, &series[top]);
+            last.enlarge(step, &series[top]);
+        }
+        if let Some(fading) = &jet.fading {
+            for c in fading.amplitude() {
+                whole.enlarge(1.0, c);
+            }
         }
         let share = last.largest_share(&whole);
         libm::exp(-libm::log(share / self.accuracy()) / (top - 1) as f64)
     }
 
-    /// As [`Self::judge`] for a series of all orders, whose motion carries the fast modes.
+    /// As [`Self::judge`] for a series of all orders, which carries the fast modes: the derivatives' may be much livelier than
+    /// the motion, and right behind a switch any number of their terms may vanish, so that their size is that of their largest
+    /// term within the reach itself.
     pub fn judge_full(&mut self, order: usize, jet: &RigJet<S>) {
         self.expected = self.expected_order(order, 1.0);
-        self.reach = self.reach_of(order, FIRST_TERMS, jet);
-        if self.reach < self.step {
-            // Right behind a switch any number of terms may vanish.
-            self.reach = self.reach_of(order, order, jet);
+        let mut reach = self.step;
+        for _ in 0..MOST_LOOKS {
+            let within = self.reach_of(order, order - 1, reach, jet);
+            if within >= reach {
+                break;
+            }
+            reach = within;
         }
+        self.reach = reach;
     }
 
     /// Finds the coefficients of the variational equations up to order `top` of the motion in `self.jet`,

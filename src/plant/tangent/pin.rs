@@ -24,6 +24,8 @@ pub(super) struct PinTangent {
     wanted: [bool; MOST_PARAMETERS],
     decay_slots: Vec<(usize, f64)>,
     breakaway_slots: Vec<(usize, f64)>,
+    /// Of the torque beside the law.
+    constant_slots: Vec<(usize, f64)>,
 }
 
 /// The contact in the segment at hand.
@@ -44,7 +46,7 @@ fn slots<S: Scalar>(number: &S) -> Vec<(usize, f64)> {
 }
 
 impl PinTangent {
-    pub fn new<S: Scalar>(law: &Law<S>) -> Self {
+    pub fn new<S: Scalar>(law: &Law<S>, constant_torque: S) -> Self {
         let section = law.section();
         let mut parameters = Vec::new();
         let mut wanted = [false; MOST_PARAMETERS];
@@ -66,6 +68,7 @@ impl PinTangent {
             wanted,
             decay_slots: slots(&law.band().1),
             breakaway_slots: slots(&law.breakaway()),
+            constant_slots: slots(&constant_torque),
         }
     }
 
@@ -95,6 +98,7 @@ impl PinTangent {
                 }
             }
             ContactMode::Breaking(direction) => {
+                self.owe_constant(direction.sign() * segment.inverse_inertia, row, owed);
                 let scale = -direction.sign() * segment.inverse_inertia;
                 for &(slot, derivative) in &self.breakaway_slots {
                     add_series(
@@ -112,8 +116,16 @@ impl PinTangent {
                 owe_load(segment, scale, &constant, row, top, owed);
             }
             ContactMode::Slipping(direction, regime) => {
+                self.owe_constant(direction.sign() * segment.inverse_inertia, row, owed);
                 self.slide(segment, direction.sign(), regime, row, top, owed);
             }
+        }
+    }
+
+    /// Adds what the torque beside the law owes to `row`.
+    fn owe_constant<S: Scalar>(&self, factor: f64, row: usize, owed: &mut Owed<S>) {
+        for &(slot, derivative) in &self.constant_slots {
+            owed[row][0].add_to_slot(slot, -factor * derivative);
         }
     }
 

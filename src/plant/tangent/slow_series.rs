@@ -8,11 +8,12 @@ use super::debts::{ON_CIRCUIT, ON_DISC, ON_DISC_1, ON_MOTOR};
 use super::motion::Tangent;
 use super::pin::PinTangent;
 use crate::plant::RigState;
+use crate::plant::fading::Fading;
 use crate::plant::index::{self, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
 use crate::plant::jet::RigJet;
 use crate::plant::linear_parts::LinearParts;
 use crate::plant::slow_manifold::{
-    CURRENT, DISC, DISC_1, DiscMotion, MOTOR, Regimes, SlowManifold, TWIST, TWIST_1,
+    CURRENT, DISC, DISC_1, DiscMotion, Feedback, MOTOR, Regimes, SlowManifold, TWIST, TWIST_1,
 };
 use crate::plant::slow_motion::derivatives_missed;
 use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
@@ -20,10 +21,18 @@ use crate::series::{RECIPROCAL, Scalar, Series, TERMS};
 /// The transformations of the rig, and series of derivatives in their coordinates.
 #[derive(Clone, Debug)]
 pub(in crate::plant) struct SlowTangent<S, const N: usize> {
-    found: Vec<(Regimes, Option<Box<Coordinates<N>>>)>,
+    found: Vec<Found<N>>,
     slow: [[S; N]; TERMS],
     fast: [[S; 2]; TERMS],
     forcing: [[S; 2]; TERMS],
+}
+
+/// The last transformation of a combination of resting parts, if there is one.
+#[derive(Clone, Debug)]
+struct Found<const N: usize> {
+    regimes: Regimes,
+    feedback: [Feedback; 2],
+    coordinates: Option<Box<Coordinates<N>>>,
 }
 
 /// A manifold with what the recurrences need of it.
@@ -32,12 +41,14 @@ struct Coordinates<const N: usize> {
     manifold: SlowManifold<f64, N>,
     /// How the slow variables answer to accelerations of D2 and D1: e + H L e.
     answers: [[f64; N]; 2],
+    /// A_f.
+    fast: [[f64; 2]; 2],
     /// 1 + L H: how (ω3, i) follow the transformed fast variables.
     following: [[f64; 2]; 2],
 }
 
 impl<const N: usize> Coordinates<N> {
-    fn new(manifold: SlowManifold<f64, N>) -> Self {
+    fn new((manifold, fast): (SlowManifold<f64, N>, [[f64; 2]; 2])) -> Self {
         let (l, h) = (&manifold.fast_from_slow, &manifold.slow_from_fast);
         let answer = |disc: usize| {
             std::array::from_fn(|j| {
@@ -57,9 +68,44 @@ impl<const N: usize> Coordinates<N> {
         });
         Self {
             manifold,
+            fast,
             answers,
             following,
         }
+    }
+
+    /// What the change of the friction's slopes makes of derivatives beside the manifold while they fade, about: velocities of D2
+    /// and D1 that are left.
+    fn neglected<S: Scalar>(&self, amplitude: &[S; 2], tangent: &Tangent<S>) -> [S; 2] {
+        let manifold = &self.manifold;
+        let inverse = &manifold.fast_inverse;
+        let duration = inverse
+            .iter()
+            .flatten()
+            .fold(0.0_f64, |a, b| a.max(b.abs()));
+        let [on_disc, on_disc_1] =
+            shaft_accelerations(&[S::ZERO; N], amplitude, manifold, &tangent.jet.parts);
+        let left = |pin: &PinTangent, disc: usize, by_shafts: &S| {
+            let row = &manifold.slow_from_fast[disc];
+            let velocity = S::combined([(row[0], &amplitude[0]), (row[1], &amplitude[1])]);
+            let change = |slope: Option<Series<f64>>| {
+                let rate = slope.map_or(0.0, |slope| slope[1]);
+                rate * duration * duration * pin.inverse_margin
+            };
+            let by_acceleration = change(pin.by_acceleration) * pin.inverse_margin;
+            S::combined([
+                (change(pin.by_velocity), &velocity),
+                (by_acceleration, by_shafts),
+            ])
+        };
+        [
+            left(&tangent.pins[0], DISC, &on_disc),
+            if N > DISC_1 {
+                left(&tangent.pins[1], DISC_1, &on_disc_1)
+            } else {
+                S::ZERO
+            },
+        ]
     }
 }
 
@@ -76,15 +122,35 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
         }
     }
 
-    /// Place in `found` of the transformation for `regimes`.
-    fn coordinates(&mut self, parts: &LinearParts<f64>, regimes: Regimes) -> usize {
-        let known = self.found.iter().position(|(r, _)| *r == regimes);
-        known.unwrap_or_else(|| {
-            let manifold = SlowManifold::new(parts, &regimes);
-            let coordinates = manifold.map(|manifold| Box::new(Coordinates::new(manifold)));
-            self.found.push((regimes, coordinates));
-            self.found.len() - 1
-        })
+    /// Place in `found` of the transformation for `regimes` along a motion whose friction answers with `feedback`.
+    fn coordinates(
+        &mut self,
+        parts: &LinearParts<f64>,
+        regimes: Regimes,
+        feedback: [Feedback; 2],
+    ) -> usize {
+        let known = self.found.iter().position(|of| of.regimes == regimes);
+        if let Some(place) = known
+            && self.found[place].feedback == feedback
+        {
+            return place;
+        }
+        let manifold = SlowManifold::new(parts, &regimes, feedback);
+        let found = Found {
+            regimes,
+            feedback,
+            coordinates: manifold.map(|found| Box::new(Coordinates::new(found))),
+        };
+        match known {
+            Some(place) => {
+                self.found[place] = found;
+                place
+            }
+            None => {
+                self.found.push(found);
+                self.found.len() - 1
+            }
+        }
     }
 
     /// Fills `jet` with the motion in `tangent`, which is linearised up to order `top`, and with the
@@ -99,12 +165,13 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
         tangent: &mut Tangent<S>,
         jet: &mut RigJet<S>,
     ) -> bool {
-        let place = self.coordinates(&tangent.jet.parts, regimes);
-        let Some(coordinates) = self.found[place].1.take() else {
+        let feedback = tangent.pins.each_ref().map(PinTangent::feedback);
+        let place = self.coordinates(&tangent.jet.parts, regimes, feedback);
+        let Some(coordinates) = self.found[place].coordinates.take() else {
             return false;
         };
         let lies_there = self.expand_along(&coordinates, state, top, tolerance, tangent, jet);
-        self.found[place].1 = Some(coordinates);
+        self.found[place].coordinates = Some(coordinates);
         lies_there
     }
 
@@ -140,14 +207,39 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
         self.fast[0] = fast;
         self.pass(0..top + 1, coordinates, tangent, jet);
         self.follow(coordinates, top);
-        let corrected = tangent.jet.corrected.min(top + 1);
+        let accuracy = tolerance.max(tangent.accuracy());
+        let beside = |found: &[S; 2]| [fast[0] - found[0], fast[1] - found[1]];
+        let fades = derivatives_missed(&beside(&self.fast[0]), state) > accuracy;
+        let corrected = if fades {
+            top + 1
+        } else {
+            tangent.jet.corrected.min(top + 1)
+        };
         if corrected > 0 {
             self.pass(0..corrected, coordinates, tangent, jet);
             self.follow(coordinates, corrected - 1);
         }
-        let missed = [self.fast[0][0] - fast[0], self.fast[0][1] - fast[1]];
-        if derivatives_missed(&missed, state) > tolerance.max(tangent.accuracy()) {
-            return false;
+        let amplitude = beside(&self.fast[0]);
+        let fades = derivatives_missed(&amplitude, state) > accuracy;
+        if fades {
+            let neglected = coordinates.neglected(&amplitude, tangent);
+            if derivatives_missed(&neglected, state) > accuracy {
+                return false;
+            }
+        }
+        jet.fading = fades.then(|| {
+            let Coordinates {
+                manifold,
+                fast,
+                following,
+                ..
+            } = coordinates;
+            Box::new(Fading::new(amplitude, manifold, fast, following))
+        });
+        // What fades turns the disc, too, and the other angles follow it by their twists.
+        jet.states[THETA][0] = state[THETA];
+        if let Some(fading) = &jet.fading {
+            jet.states[THETA][0] -= fading.at(THETA, 0.0);
         }
         self.assemble(coordinates, top, tangent, jet);
         true
@@ -360,8 +452,19 @@ fn shaft_accelerations<S: Scalar, const N: usize>(
 }
 
 impl PinTangent {
-    /// Derivatives of coefficient `k` of the acceleration that the friction and the parameters give the
-    /// disc, beside that by the shafts.
+    /// What of the friction's answer is the same all along the segment.
+    fn feedback(&self) -> Feedback {
+        if self.motion != DiscMotion::Driven {
+            return Feedback::NONE;
+        }
+        Feedback {
+            by_velocity: self.by_velocity.map_or(0.0, |slope| slope[0]),
+            share: self.inverse_margin,
+        }
+    }
+
+    /// Derivatives of coefficient `k` of the acceleration that the parameters and the change of the friction's slopes give the disc,
+    /// beside its linear equation.
     #[inline(always)]
     fn push<S: Scalar>(
         &self,
@@ -376,15 +479,17 @@ impl PinTangent {
             return push;
         }
         if let Some(slope) = &self.by_velocity {
-            push += S::filtered(&slope[..=k], &omega[..=k]);
+            push += S::filtered(&slope[1..=k], &omega[..k]);
         }
         if let Some(slope) = &self.by_acceleration {
             push += S::filtered(&slope[1..=k], &accelerations[..k]);
+            push = S::combined([(self.inverse_margin, &push)]);
+            let Feedback { by_velocity, share } = self.feedback();
             accelerations[k] = S::combined([
-                (self.inverse_margin, &push),
-                (self.inverse_margin, by_shafts),
+                (share, by_shafts),
+                (share * by_velocity, &omega[k]),
+                (1.0, &push),
             ]);
-            push = S::combined([(1.0, &accelerations[k]), (-1.0, by_shafts)]);
         }
         push
     }

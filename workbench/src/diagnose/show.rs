@@ -5,7 +5,7 @@
 //! windows' starts absorb, plus the random friction seen in the records. The share closed is
 //! (before² − after²)/(before² − floor²).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use build_fmu::build::{BuildError, Source};
 use build_fmu::library::Library;
@@ -114,34 +114,19 @@ pub fn compare(
     let free_stretch = longest(&judging.records);
     let run = &judging.records[free_stretch];
     let begin = units.state_to_si(&first_state(data, free_stretch));
-    let mut through = Vec::new();
-    let mut after_through_fmu = None;
-    for (text, starts, delay) in [
-        (
-            case.model_text.as_str(),
-            &before.set,
-            delay(&case.model.rig),
-        ),
-        (amended_text, &after.set, delay(&amended.rig)),
-    ] {
-        for version in [FmiVersion::Fmi3, FmiVersion::Fmi2] {
-            let mut fmu = built(
-                text,
-                library,
-                version,
-                &work.join(format!("{}", through.len())),
-            )?;
-            through.push(error(&window_courses(
-                fmu.as_mut(),
-                &judging,
-                starts,
-                delay,
-            )?));
-            if through.len() == 3 {
-                after_through_fmu = Some(free(fmu.as_mut(), run, &begin));
-            }
-        }
-    }
+    let fmus = built([&case.model_text, amended_text], library, work)?;
+    let through = |fmu: &Path, starts: &[RigState<f64>], delay: f64| {
+        let mut fmu = open(fmu)?;
+        let courses = window_courses(fmu.as_mut(), &judging, starts, delay)?;
+        Ok::<_, ShowError>((error(&courses), fmu))
+    };
+    let [fmi3_before, fmi2_before, fmi3_after, fmi2_after] = &fmus;
+    let delays = [&case.model.rig, &amended.rig].map(delay);
+    let (error3_before, _) = through(fmi3_before, &before.set, delays[0])?;
+    let (error2_before, _) = through(fmi2_before, &before.set, delays[0])?;
+    let (error3_after, mut fmu) = through(fmi3_after, &after.set, delays[1])?;
+    let (error2_after, _) = through(fmi2_after, &after.set, delays[1])?;
+    let (free_through_fmu, _) = free(fmu.as_mut(), run, &begin);
     let reference_speed = mean_speed(run);
     let (free_before, friction_before) = free(&mut native_before, run, &begin);
     let (free_after, friction_after) = free(&mut native_after, run, &begin);
@@ -150,17 +135,13 @@ pub fn compare(
         free_run: FreeRun {
             before: measures(&free_before, run, reference_speed),
             after: measures(&free_after, run, reference_speed),
-            after_through_fmu: measures(
-                &after_through_fmu.unwrap_or_default().0,
-                run,
-                reference_speed,
-            ),
+            after_through_fmu: measures(&free_through_fmu, run, reference_speed),
             reference_speed,
         },
         through_fmu: ThroughFmu {
-            fmi3: window_error(through[0], through[2], floor),
-            fmi2_before: through[1],
-            fmi2_after: through[3],
+            fmi3: window_error(error3_before, error3_after, floor),
+            fmi2_before: error2_before,
+            fmi2_after: error2_after,
         },
         windows: both.len(),
         windows_left_aside: both.len() - used,
@@ -246,16 +227,27 @@ pub(crate) fn delay(rig: &Rig<f64>) -> f64 {
     rig.effects.sensor_delay.map_or(0.0, |effect| effect.delay)
 }
 
+/// FMUs of two models in folders of their own below `work`: of the first in FMI 3 and FMI 2, then of the second.
 fn built(
-    text: &str,
+    [first, second]: [&str; 2],
     library: &Library,
-    version: FmiVersion,
-    folder: &Path,
-) -> Result<Box<dyn Component>, ShowError> {
-    std::fs::create_dir_all(folder).map_err(ShowError::Directory)?;
-    let source = Source::from_text(text.to_owned(), "model")?;
-    let fmu = source.build(std::slice::from_ref(library), version, folder)?;
-    Ok(open(&fmu.path)?)
+    work: &Path,
+) -> Result<[PathBuf; 4], ShowError> {
+    let build = |folder: &str, text: &str, version: FmiVersion| {
+        let folder = work.join(folder);
+        std::fs::create_dir_all(&folder).map_err(ShowError::Directory)?;
+        let source = Source::from_text(text.to_owned(), "model")?;
+        let fmu = source.build(std::slice::from_ref(library), version, &folder)?;
+        Ok::<_, ShowError>(fmu.path)
+    };
+    let both = |folder: &str, text: &str| {
+        rayon::join(
+            || build(folder, text, FmiVersion::Fmi3),
+            || build(folder, text, FmiVersion::Fmi2),
+        )
+    };
+    let (before, after) = rayon::join(|| both("before", first), || both("after", second));
+    Ok([before.0?, before.1?, after.0?, after.1?])
 }
 
 /// Root mean square over the windows that count; NaN where one of them could not be run.

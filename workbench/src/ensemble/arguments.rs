@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::settings::{Conditions, Settings};
 use super::uncertain::Uncertain;
+use crate::files::table::TableFormat;
 use crate::map::RunArguments;
 
 /// Runs with parameters drawn from their uncertainties.
@@ -28,6 +29,9 @@ pub struct EnsembleArguments {
     /// Relative standard deviation of a parameter, in place of what the model states; 0 holds it. May be repeated.
     #[arg(long, value_name = "NAME=RELATIVE")]
     pub uncertain: Vec<Uncertain>,
+    /// As what the tables are written.
+    #[arg(long, value_enum, value_name = "FORMAT", default_value = "csv")]
+    pub tables: TableFormat,
 }
 
 impl FromStr for Uncertain {
@@ -56,12 +60,14 @@ impl EnsembleArguments {
             duration: common.duration,
             tolerance: common.tolerance,
         };
-        Ok(Settings::new(
+        let mut settings = Settings::new(
             &text,
             &common.model.display().to_string(),
             &conditions,
             (self.runs, self.seed),
             (&self.draw, &self.uncertain),
-        )?)
+        )?;
+        settings.tables = self.tables;
+        Ok(settings)
     }
 }

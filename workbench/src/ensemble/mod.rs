@@ -24,7 +24,7 @@ use crate::map::{Point, judge, make};
 /// Set by the first interrupt; the rigs at work are then given up and the finished ones kept.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Runs the subcommand: writes `ensemble.csv`, `runs.csv`, `rigs.csv`, `ensemble.svg` and `ensemble.png`.
+/// Runs the subcommand: writes the tables `ensemble`, `runs` and `rigs`, `ensemble.svg` and `ensemble.png`.
 ///
 /// # Errors
 /// Whatever is wrong with the arguments or the model.
@@ -44,9 +44,11 @@ pub fn command(arguments: &EnsembleArguments) -> anyhow::Result<Outcome> {
         made.kept
     );
     say(&settings, &made.rows);
+    let [first, runs, rigs] =
+        ["ensemble", "runs", "rigs"].map(|stem| settings.tables.file_name(stem));
     println!(
-        "written      {} and runs.csv, rigs.csv, ensemble.svg, ensemble.png",
-        common.out.join("ensemble.csv").display()
+        "written      {} and {runs}, {rigs}, ensemble.svg, ensemble.png",
+        common.out.join(first).display()
     );
     Ok(judge(&settings, &made.rows))
 }

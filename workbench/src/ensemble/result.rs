@@ -1,28 +1,26 @@
 //! The tables of an ensemble.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use super::bands::{Bands, LEVELS, MEASURES};
 use super::settings::Settings;
 use crate::analysis::motion::Motion;
-use crate::files::atomic::{self, WriteError};
+use crate::files::atomic::WriteError;
+use crate::files::table::Table;
 use crate::map::Point;
-use crate::map::result::{self, number};
+use crate::map::result::with_measures;
 
-/// Writes `ensemble.csv`, a line for each place, `runs.csv`, a line for each run, and `rigs.csv`, a line for each rig.
+/// Writes the tables `ensemble`, a line for each place, `runs`, a line for each run, and `rigs`, a line for each rig.
 pub(super) fn write(
     settings: &Settings,
     rows: &[Vec<Point>],
     bands: &[Bands],
     directory: &Path,
 ) -> Result<(), WriteError> {
-    let write = |name: &str, text: String| {
-        atomic::write_file(&directory.join(name), text.as_bytes()).map(|_| ())
-    };
-    write("rigs.csv", rigs(settings))?;
-    write("runs.csv", runs(settings, rows))?;
-    write("ensemble.csv", table(settings, bands))
+    let format = settings.tables;
+    rigs(settings).write(directory, "rigs", format)?;
+    runs(settings, rows).write(directory, "runs", format)?;
+    table(settings, bands).write(directory, "ensemble", format)
 }
 
 /// A column of the table of places, by name.
@@ -70,51 +68,34 @@ pub fn columns(settings: &Settings, bands: &[Bands]) -> Vec<Column> {
 const RUNS: &str = "runs";
 const FAILED: &str = "failed";
 
-fn table(settings: &Settings, bands: &[Bands]) -> String {
-    let columns = columns(settings, bands);
-    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    let mut text = format!("{}\n", names.join(","));
-    for place in 0..bands.len() {
-        let values: Vec<String> = columns
-            .iter()
-            .map(|(name, values)| match name.as_str() {
-                RUNS | FAILED => format!("{}", values[place]),
-                _ => number(values[place]),
-            })
-            .collect();
-        let _ = writeln!(text, "{}", values.join(","));
-    }
-    text
+fn table(settings: &Settings, bands: &[Bands]) -> Table {
+    let columns = columns(settings, bands).into_iter();
+    columns.fold(Table::new(bands.len()), |table, (name, values)| {
+        if [RUNS, FAILED].contains(&name.as_str()) {
+            table.whole(name, values.into_iter().map(|count| count as i64))
+        } else {
+            table.numbers(name, values.into_iter())
+        }
+    })
 }
 
-fn runs(settings: &Settings, rows: &[Vec<Point>]) -> String {
-    let mut text = format!("rig,speed_rpm,normal_force,{}\n", result::MEASURES);
-    for (run, points) in rows.iter().enumerate() {
-        for (place, point) in points.iter().enumerate() {
-            let (speed, force) = settings.place(place);
-            let _ = writeln!(
-                text,
-                "{},{speed:?},{force:?},{}",
-                run + 1,
-                result::measures(point)
-            );
-        }
-    }
-    text
+fn runs(settings: &Settings, rows: &[Vec<Point>]) -> Table {
+    let places = settings.places();
+    let place = |run: usize| settings.place(run % places);
+    let count = rows.len() * places;
+    let table = Table::new(count)
+        .whole("rig", (0..count).map(|run| (run / places + 1) as i64))
+        .numbers("speed_rpm", (0..count).map(|run| place(run).0))
+        .numbers("normal_force", (0..count).map(|run| place(run).1));
+    with_measures(table, rows)
 }
 
-fn rigs(settings: &Settings) -> String {
-    let mut text = String::from("rig");
-    for parameter in &settings.parameters {
-        let _ = write!(text, ",{}", parameter.name);
-    }
-    text.push('\n');
-    for run in 0..settings.runs() {
-        let _ = write!(text, "{}", run + 1);
-        for value in settings.sample(run) {
-            let _ = write!(text, ",{value:?}");
-        }
-        text.push('\n');
-    }
-    text
+fn rigs(settings: &Settings) -> Table {
+    let count = settings.runs();
+    let numbered = Table::new(count).whole("rig", (0..count).map(|run| run as i64 + 1));
+    let parameters = settings.parameters.iter().enumerate();
+    parameters.fold(numbered, |table, (at, parameter)| {
+        let values = (0..count).map(|run| settings.sample(run)[at]);
+        table.numbers(parameter.name.clone(), values)
+    })
 }

@@ -12,6 +12,7 @@ use super::picture::picture;
 use super::result;
 use super::uncertain::{self, Uncertain};
 use crate::diagnose::uncertainty::UncertaintyError;
+use crate::files::table::TableFormat;
 use crate::map::settings::{check_numbers, check_quantities, label, run_options};
 use crate::map::{Point, Quantity, SettingsError, Span, Study, run_point};
 
@@ -111,6 +112,8 @@ pub struct Settings {
     pub speeds: Vec<f64>,
     /// Normal forces on disc D2 [N].
     pub forces: Vec<f64>,
+    /// As what the tables are written.
+    pub tables: TableFormat,
 }
 
 impl Settings {
@@ -152,6 +155,7 @@ impl Settings {
             refused: drawn.refused,
             speeds: conditions.speed_rpm.values(),
             forces: conditions.normal_force.values(),
+            tables: TableFormat::default(),
         })
     }
 

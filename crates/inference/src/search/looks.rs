@@ -13,13 +13,14 @@ use crate::problem::Problem;
 use crate::scales::Scales;
 use crate::window::Start;
 use nalgebra::{Cholesky, DMatrix, DVector};
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// Windows that suffice for the first looks.
 const LOOK_WINDOWS: usize = 80;
-/// How many starts are followed for each that may be of one effect.
+/// How many starts are followed for each that may be of one effect, where there are so many effects.
 const SHARE_OF_ONE: usize = 3;
-/// How many starts are followed, a third of them at most of one effect, and for how many steps each, before the next fewer.
+/// How many starts are followed, and for how many steps each, before the next fewer.
 const ROUNDS: [(usize, usize); 4] = [(18, 2), (9, 3), (6, NEAR_STEPS), (4, 0)];
 
 /// A start of an effect, looked at.
@@ -234,13 +235,15 @@ pub(super) fn followed(
         .filter(|look| look.promise > least)
         .collect();
     for (most, steps) in ROUNDS {
+        let effects: HashSet<&str> = field.iter().map(|look| look.effect.name).collect();
+        let most_of_one = most / effects.len().clamp(1, SHARE_OF_ONE);
         let mut kept: Vec<Look<'_>> = Vec::new();
         for look in field {
             let twins = kept
                 .iter()
                 .filter(|other| other.effect.name == look.effect.name)
                 .count();
-            if kept.len() < most && twins < most / SHARE_OF_ONE {
+            if kept.len() < most && twins < most_of_one {
                 kept.push(look);
             }
         }
