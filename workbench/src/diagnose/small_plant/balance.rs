@@ -267,11 +267,6 @@ impl Prepared {
         for (offset, series) in sample.offsets.iter_mut().zip(&pursuit.offsets) {
             *offset = series[at];
         }
-        for (link, own) in sample.links.iter_mut().zip(&pursuit.links) {
-            if let Some(own) = own {
-                *link = [own.position[at], own.velocity[at]];
-            }
-        }
         sample.nominal = pursuit.nominal[at];
         sample.own_friction = pursuit.friction[at];
         sample

@@ -34,7 +34,6 @@ fn residuals_grow_with_an_fmus_parameters_as_the_pursuits_say() {
         delayed: vec![vec![0.0; count]],
         offsets: Vec::new(),
         friction: vec![0.0; count],
-        links: [None, None],
     });
     let records = [motion];
     let measurement = Measurement {

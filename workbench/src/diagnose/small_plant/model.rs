@@ -2,7 +2,7 @@
 
 use super::base::joint_loads;
 use super::eccentricity::Eccentricity;
-use super::term::{Entry, Place, Role, Sample};
+use super::term::{Entry, Role, Sample};
 use stickslip::body::{Dimension, Kind, Parameter, Path};
 
 /// A term with its numbers.
@@ -81,17 +81,16 @@ impl Model {
         }
         let own = sample.own_friction;
         let force = |term: &Term, friction: f64| {
-            let Some((seen, sign)) = term.entry.place.seen(sample) else {
-                return 0.0;
-            };
-            sign * term
-                .entry
-                .force(&term.values, seen.as_ref().unwrap_or(sample), friction)
+            if term.entry.place.is_at(sample.port) {
+                term.entry.force(&term.values, sample, friction)
+            } else {
+                0.0
+            }
         };
         let (mut friction, mut other) = (own, 0.0);
         let laws = self.terms.iter().enumerate().rev();
         let mut laws = laws.filter(|(_, term)| term.entry.role == Role::Law);
-        if let Some((_, law)) = laws.find(|(_, term)| term.entry.place.seen(sample).is_some()) {
+        if let Some((_, law)) = laws.find(|(_, term)| term.entry.place.is_at(sample.port)) {
             // An FMU's own friction gives way to the law, which holds at the mean load.
             friction = match self.kind {
                 Kind::Fmu => sample.load * force(law, 0.0),
@@ -118,10 +117,7 @@ impl Model {
                 Role::Law => self.is_in_force(*at),
                 _ => false,
             })
-            .filter(|(_, term)| match term.entry.place {
-                Place::Port(own) => own == port,
-                Place::Everywhere | Place::Link(_) => true,
-            })
+            .filter(|(_, term)| term.entry.place.is_at(port))
             .flat_map(|(_, term)| term.entry.parameters.iter().zip(&term.values))
             .filter(|(parameter, _)| parameter.dimension == Dimension::Delay)
             .map(|(_, value)| value)

@@ -117,7 +117,7 @@ fn described(
             let of_ports = match ports {
                 Some(ports) => {
                     check_drifts(reader, &ports.drifts, &parameters)?;
-                    effects(ports, &parameters, path)
+                    effects(ports, &parameters)
                 }
                 None => Vec::new(),
             };

@@ -46,15 +46,6 @@ pub struct Motion {
     pub pursuit: Option<Pursuit>,
 }
 
-/// Motion of one port relative to the next.
-#[derive(Debug, Clone)]
-pub struct Relative {
-    /// Difference of the positions [m or rad].
-    pub position: Vec<f64>,
-    /// Difference of the velocities [m/s or rad/s].
-    pub velocity: Vec<f64>,
-}
-
 /// How an FMU's missing force changes with what is uncertain, and where it says something.
 #[derive(Debug, Clone)]
 pub struct Pursuit {
@@ -78,8 +69,6 @@ pub struct Pursuit {
     pub offsets: Vec<Vec<f64>>,
     /// The FMU's own friction against the motion [N or N m]; zero where no output gives it.
     pub friction: Vec<f64>,
-    /// Motion of the port before relative to this, and of this relative to the port after.
-    pub links: [Option<Relative>; 2],
 }
 
 /// Usual sizes of what is in a record: root mean squares.
@@ -99,10 +88,6 @@ pub struct Scales {
     pub duration: f64,
     /// Voltage of a motor [V]; 1 where there is none.
     pub voltage: f64,
-    /// Position of one port relative to the next, about its mean [m or rad]; 0 where there are not several.
-    pub twist: f64,
-    /// Velocity of one port relative to the next [m/s or rad/s]; 0 where there are not several.
-    pub twist_rate: f64,
 }
 
 /// What of the motion was measured.
@@ -247,21 +232,12 @@ impl Scales {
         let force = root_mean_square(&unexplained);
         let speed = root_mean_square(&over(|m| &m.velocity));
         let voltage = root_mean_square(&over(|m| &m.voltage));
-        let links = records
-            .iter()
-            .filter_map(|m| m.pursuit.as_ref()?.links[1].as_ref());
-        let twist: Vec<f64> = links.clone().flat_map(|own| own.position.clone()).collect();
-        let twist_rate: Vec<f64> = links.flat_map(|own| own.velocity.clone()).collect();
-        let straight = twist.iter().sum::<f64>() / twist.len().max(1) as f64;
-        let twist: Vec<f64> = twist.iter().map(|x| x - straight).collect();
         Self {
             position: root_mean_square(&about),
             speed,
             period: TAU * speed / acceleration,
             duration: records.iter().map(Motion::seconds).fold(0.0, f64::max),
             acceleration,
-            twist: root_mean_square(&twist),
-            twist_rate: root_mean_square(&twist_rate),
             voltage: if voltage > 0.0 { voltage } else { 1.0 },
             force: if force > 0.0 { force } else { acceleration },
         }

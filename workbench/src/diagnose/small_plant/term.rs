@@ -41,8 +41,6 @@ pub struct Sample {
     pub port: usize,
     /// The FMU's own friction there against the motion [N or N m].
     pub own_friction: f64,
-    /// Position and velocity of the port before relative to this, and of this relative to the port after.
-    pub links: [[f64; 2]; 2],
     /// By how much it falls as each uncertain parameter grows by its own value [N or N m].
     pub drifts: [f64; MOST_PARAMETERS],
     /// By how much an FMU's missing force falls as each column that may be off by a constant grows [N or N m over the column's unit].
@@ -61,31 +59,13 @@ pub enum Place {
     Everywhere,
     /// At one port.
     Port(usize),
-    /// Between a port and the one after it.
-    Link(usize),
 }
 
 impl Place {
-    /// The moment as a term there sees it, and the sign of its force, if it acts at the moment's port.
+    /// Whether a term there acts at an FMU's port.
     #[must_use]
-    pub fn seen(self, sample: &Sample) -> Option<(Option<Sample>, f64)> {
-        let of_link = |link: [f64; 2], sign: f64| {
-            let [position, velocity] = link;
-            let seen = Sample {
-                position,
-                velocity,
-                direction: velocity.signum(),
-                ..*sample
-            };
-            Some((Some(seen), sign))
-        };
-        match self {
-            Self::Everywhere => Some((None, 1.0)),
-            Self::Port(at) => (at == sample.port).then_some((None, 1.0)),
-            Self::Link(at) if at == sample.port => of_link(sample.links[1], 1.0),
-            Self::Link(at) if at + 1 == sample.port => of_link(sample.links[0], -1.0),
-            Self::Link(_) => None,
-        }
+    pub fn is_at(self, port: usize) -> bool {
+        matches!(self, Self::Everywhere) || self == Self::Port(port)
     }
 }
 
@@ -127,8 +107,6 @@ pub enum Formula {
         /// Values from which a fit starts, in units of each parameter's usual size.
         starts: &'static [&'static [f64]],
     },
-    /// A spring that carries nothing within a band: the force that it then lacks at the band's edge, and half the band's width.
-    DeadBand,
     /// What repeats so often per turn, as cosine and sine.
     Repeats(f64),
     /// An uncertain parameter of an FMU, of this number among them, that changes by a share of its value in a minute.
@@ -143,7 +121,6 @@ impl Formula {
         match self {
             Self::Equation { .. } => &[],
             Self::Code { starts, .. } => starts,
-            Self::DeadBand => &[&[0.1, 0.05], &[0.1, 0.2]],
             Self::Repeats(_) => &[&[0.1, 0.1]],
             Self::Drift(_) | Self::Offset(_) => &[&[0.1]],
         }
@@ -208,7 +185,6 @@ impl Entry {
                 operations::value(operations, values, &at, &mut vec![0.0; operations.len()])
             }
             Formula::Code { force, .. } => force(values, sample, friction),
-            Formula::DeadBand => -values[0] * (sample.position / values[1]).clamp(-1.0, 1.0),
             Formula::Repeats(often) => {
                 let (sine, cosine) = (often * sample.position).sin_cos();
                 values[0] * cosine + values[1] * sine
@@ -233,8 +209,6 @@ impl Entry {
         match self.formula {
             Formula::Equation { .. } => start::origins(self, kind, path, scales),
             Formula::Code { .. } if self.role == Role::Law => Vec::new(),
-            // A dead band of any width without force is none.
-            Formula::DeadBand => vec![Some(0.0), None],
             _ => vec![Some(0.0); self.parameters.len()],
         }
     }
@@ -243,18 +217,6 @@ impl Entry {
     /// of the effect shows there.
     #[must_use]
     pub fn starts(&self, kind: Kind, path: Path, scales: &Scales) -> Vec<Vec<f64>> {
-        let between;
-        let scales = match self.place {
-            Place::Link(_) => {
-                between = Scales {
-                    position: scales.twist,
-                    speed: scales.twist_rate,
-                    ..*scales
-                };
-                &between
-            }
-            Place::Everywhere | Place::Port(_) => scales,
-        };
         if let Formula::Equation { .. } = self.formula {
             return start::values(self, kind, path, scales).unwrap_or_default();
         }

@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::plant::{Plant, PlantError};
 use super::pursuit::{Pursuit, substeps};
 use super::worker::{self, WorkerError};
-use crate::diagnose::small_plant::motion::{Motion, Pursuit as Known, Relative, root_mean_square};
+use crate::diagnose::small_plant::motion::{Motion, Pursuit as Known, root_mean_square};
 
 /// A record with the columns that drive the FMU.
 #[derive(Debug, Clone)]
@@ -136,20 +136,9 @@ impl Chased {
         let found: Vec<Vec<Pursuit>> = found?.into_iter().flatten().collect();
         let mut all = Vec::new();
         for (record, found) in self.records.iter().zip(found.chunks(count)) {
-            let mut of_record: Vec<Motion> = (0..record.motions.len())
-                .map(|place| {
-                    moved(
-                        record,
-                        place,
-                        found,
-                        &variations,
-                        (parameters, delays),
-                        &deviations,
-                    )
-                })
-                .collect();
-            link(&mut of_record);
-            for motion in of_record {
+            for place in 0..record.motions.len() {
+                let known = (parameters, delays);
+                let motion = moved(record, place, found, &variations, known, &deviations);
                 all.push(self.checked(motion)?);
             }
         }
@@ -258,7 +247,6 @@ fn moved(
         slopes,
         offsets,
         friction: own.friction.clone(),
-        links: [None, None],
     });
     // What the force was found for: another estimate of the motion has other noise, and a mixture of both has less than either.
     motion.force.clone_from(&own.force);
@@ -266,27 +254,4 @@ fn moved(
     motion.velocity.clone_from(&own.velocity);
     motion.acceleration.clone_from(&own.acceleration);
     motion
-}
-
-/// Gives the motion at each port that relative to the port after it, and that of the port before it relative to it.
-fn link(motions: &mut [Motion]) {
-    let between: Vec<Relative> = motions
-        .windows(2)
-        .map(|pair| {
-            let less = |of: fn(&Motion) -> &Vec<f64>| -> Vec<f64> {
-                let pairs = of(&pair[0]).iter().zip(of(&pair[1]));
-                pairs.map(|(one, other)| one - other).collect()
-            };
-            Relative {
-                position: less(|own| &own.position),
-                velocity: less(|own| &own.velocity),
-            }
-        })
-        .collect();
-    for (at, motion) in motions.iter_mut().enumerate() {
-        if let Some(pursuit) = &mut motion.pursuit {
-            let before = at.checked_sub(1).and_then(|at| between.get(at));
-            pursuit.links = [before.cloned(), between.get(at).cloned()];
-        }
-    }
 }

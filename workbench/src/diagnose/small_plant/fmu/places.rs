@@ -1,5 +1,5 @@
-//! The effects that an FMU can have at its ports: those of the catalogue at each port, what changes the FMU's own friction, what is between
-//! two ports, parameters that drift, and columns that are off.
+//! The effects that an FMU can have at its ports: those of the catalogue at each port, what changes the FMU's own friction, parameters that
+//! drift, and columns that are off.
 
 use stickslip::body::{Dimension, Kind, Parameter, Path, parameter};
 use stickslip::parameter::Range;
@@ -172,7 +172,7 @@ const OF_FRICTION: [Entry; 4] = [
 
 /// The effects beside those of the catalogue, or instead of them where there are several ports; `parameters` are those that are uncertain.
 #[must_use]
-pub fn effects(ports: &Ports, parameters: &[Parameter], path: Path) -> Vec<&'static Entry> {
+pub fn effects(ports: &Ports, parameters: &[Parameter]) -> Vec<&'static Entry> {
     let names: Vec<&str> = ports
         .ports
         .iter()
@@ -195,9 +195,6 @@ pub fn effects(ports: &Ports, parameters: &[Parameter], path: Path) -> Vec<&'sta
             all.extend(shared.map(|entry| place(*entry)));
         }
         all.extend(own.into_iter().map(place));
-    }
-    for (at, pair) in names.windows(2).enumerate() {
-        all.extend(of_link(at, [pair[0], pair[1]], path));
     }
     let drifts = |own: &Parameter| ports.drifts.iter().any(|name| name == own.key);
     for (at, own) in parameters.iter().enumerate().filter(|(_, own)| drifts(own)) {
@@ -292,59 +289,6 @@ fn of_port(port: &Port) -> Vec<Entry> {
     all
 }
 
-/// What can be between two ports.
-fn of_link(at: usize, [one, other]: [&str; 2], path: Path) -> [Entry; 2] {
-    let between = |name: &str| leaked(format!("{name}_between_{one}_and_{other}"));
-    let unit = match path {
-        Path::Turn => "N.m/rad3",
-        Path::Line => "N/m3",
-    };
-    [
-        Entry {
-            name: between("hardening"),
-            description: "spring between two ports that carries more than in proportion: coefficient·x³ of their difference x",
-            signature: "a residual that bends upward over the difference of the positions, opposite at both ports",
-            confusable: one_name(between("backlash")),
-            parameters: alone(parameter(
-                "coefficient",
-                Dimension::Si { unit, path },
-                Range::Finite,
-                "what the cube has",
-            )),
-            formula: Formula::Code {
-                force: |p, s, _| p[0] * s.position.powi(3),
-                starts: &[&[0.1], &[-0.1]],
-            },
-            place: Place::Link(at),
-            ..PLAIN
-        },
-        Entry {
-            name: between("backlash"),
-            description: "spring between two ports that carries nothing within a band",
-            signature: "a residual that is constant over the difference of the positions and changes sign with it",
-            confusable: one_name(between("hardening")),
-            parameters: vec![
-                parameter(
-                    "force",
-                    Dimension::Force,
-                    Range::Positive,
-                    "what the spring would carry at the band's edge",
-                ),
-                parameter(
-                    "half_width",
-                    Dimension::Position,
-                    Range::Positive,
-                    "half the width of the band",
-                ),
-            ]
-            .leak(),
-            formula: Formula::DeadBand,
-            place: Place::Link(at),
-            ..PLAIN
-        },
-    ]
-}
-
 /// A column that is off by a constant.
 fn of_input(at: usize, name: &str, input: &Input) -> Entry {
     let unit = leaked(input.unit.clone());
@@ -379,8 +323,4 @@ fn leaked(text: String) -> &'static str {
 
 fn alone(parameter: Parameter) -> &'static [Parameter] {
     vec![parameter].leak()
-}
-
-fn one_name(name: &'static str) -> &'static [&'static str] {
-    vec![name].leak()
 }

@@ -61,7 +61,6 @@ fn effects_have_the_name_of_their_place() {
         "coulomb_friction_at_motor",
         "normal_force_wobble_at_disc",
         "ripple_16_at_motor",
-        "backlash_between_disc_and_motor",
         "R_drift",
         "N2_offset",
     ] {
@@ -74,7 +73,7 @@ fn effects_have_the_name_of_their_place() {
 }
 
 #[test]
-fn an_effect_acts_at_its_port_alone_and_what_is_between_two_acts_on_both() {
+fn an_effect_acts_at_its_port_alone() {
     let model = SmallModel::parse(TWO, "ports.toml").unwrap();
     let force = |name: &str, values: Vec<f64>, port: usize| {
         let entry = model.of_ports.iter().find(|own| own.name == name).unwrap();
@@ -82,16 +81,12 @@ fn an_effect_acts_at_its_port_alone_and_what_is_between_two_acts_on_both() {
             velocity: 2.0,
             direction: 1.0,
             port,
-            links: [[0.5, 0.0], [0.5, 0.0]],
             ..Sample::default()
         };
         model.model.with(entry, values).force(&sample)
     };
     assert_eq!(force("coulomb_friction_at_motor", vec![0.3], 0), 0.0);
     assert_eq!(force("coulomb_friction_at_motor", vec![0.3], 1), 0.3);
-    let spring = "hardening_between_disc_and_motor";
-    assert_eq!(force(spring, vec![0.8], 0), 0.1);
-    assert_eq!(force(spring, vec![0.8], 1), -0.1);
 }
 
 #[test]

@@ -39,7 +39,6 @@ pub(super) fn place_of(model: &SmallModel, file: &str) -> Result<usize, WrapperE
                     return Err(elsewhere("acts at another port than the effects before it"));
                 }
             }
-            (_, Place::Link(_), _) => return Err(elsewhere("acts between two ports")),
             (Formula::Repeats(_), _, _) => {
                 return Err(elsewhere(
                     "repeats within a turn, for which there is no equation",
