@@ -199,6 +199,24 @@ fn a_parameter_that_may_change_between_steps_is_a_port_and_a_fixed_one_is_not() 
 }
 
 #[test]
+fn effects_are_not_named_at_several_ports() {
+    let place = Place::new(0.0, |_, _| 0.0, 0);
+    let further = "[[port]]\nname = \"motor\"\ninput = \"torque\"\nposition = \"phi\"\n\
+                   measured_position = { column = \"angle\", unit = \"deg\" }\n\n[inputs]";
+    let ports = PORTS.replace("[port]", "[[port]]\nname = \"axis\"");
+    fs::write(place.file("ports.toml"), ports.replace("[inputs]", further)).unwrap();
+    for stage in ["diagnose", "name"] {
+        let (code, text) = place.run(stage);
+        assert_eq!(code, 2, "{text}");
+        assert!(
+            text.contains("2 ports (axis, motor)") && text.contains("stickslip locate"),
+            "{text}"
+        );
+        assert!(!place.file("out").join("finding.json").exists(), "{text}");
+    }
+}
+
+#[test]
 fn wrong_ports_are_told_with_what_would_be_right() {
     let place = Place::new(0.0, |_, _| 0.0, 0);
     for (from, to, said) in [

@@ -64,6 +64,9 @@ pub fn run(
 ) -> anyhow::Result<(Outcome, String)> {
     let begun = Instant::now();
     let amends = matches!(stage, Stage::All | Stage::Amend(_));
+    if matches!(stage, Stage::All | Stage::Name) {
+        refuse_several_ports(material)?;
+    }
     let mut case = load(material, progress)?;
     // Before minutes pass: is there what the amended FMU needs?
     let moves = case.kind().stands_still().is_none();
@@ -139,6 +142,22 @@ pub fn run(
     };
     let outcome = Outcome::of(settled);
     Ok((outcome, screen(&case.name, &found)))
+}
+
+/// Refuses to name effects at several ports at once: on our own rig, where nothing was missing, such names were false.
+fn refuse_several_ports(material: &Material) -> anyhow::Result<()> {
+    let model = SmallModel::parse(&material.model_text, &material.model_name)?;
+    let ports = model.port_names();
+    if ports.len() < 2 {
+        return Ok(());
+    }
+    Err(anyhow!(
+        "{}: has {} ports ({}), and effects are named at one; `stickslip locate` tells at which of them the FMU and the records disagree: \
+         leave that one as [port] and diagnose again",
+        material.model_name,
+        ports.len(),
+        ports.join(", ")
+    ))
 }
 
 /// Builds the FMUs of an amended model, or removes those of an earlier one where it can have none; what a note says of it.
