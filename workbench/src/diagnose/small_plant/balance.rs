@@ -268,7 +268,6 @@ impl Prepared {
             *offset = series[at];
         }
         sample.nominal = pursuit.nominal[at];
-        sample.own_friction = pursuit.friction[at];
         sample
     }
 

@@ -33,7 +33,6 @@ fn residuals_grow_with_an_fmus_parameters_as_the_pursuits_say() {
         inertia_slopes: vec![0.3, -0.2],
         delayed: vec![vec![0.0; count]],
         offsets: Vec::new(),
-        friction: vec![0.0; count],
     });
     let records = [motion];
     let measurement = Measurement {

@@ -10,7 +10,6 @@ use super::evidence::unit;
 use super::fmu::missing::{Chased, MissingError, Recorded};
 use super::fmu::places::at_each;
 use super::fmu::plant::Plant;
-use super::load::{leave_no_load_out, relate_load};
 use super::model::Model;
 use super::model_file::{SmallModel, SmallModelError};
 use super::motion::{Motion, Scales, root_mean_square};
@@ -164,8 +163,6 @@ pub fn load(
     for part in parts.iter().chain([held_out_part]) {
         all.push(read(part, &model, &columns, &mut notes)?);
     }
-    notes.extend(leave_no_load_out(&mut model, &mut all));
-    relate_load(&model, &mut all)?;
     let chased = match plant {
         Some(plant) => {
             let Some(cut_off) = model.measurement.compare_low_pass else {
@@ -194,6 +191,7 @@ pub fn load(
     let goes_on = parts
         .last()
         .is_some_and(|last| continues(last, held_out_part));
+    relate_load(&model, &mut records, &mut held_out)?;
     let mut held_out_further = Vec::new();
     if let Some(chased) = &chased {
         (records, held_out, held_out_further) =
@@ -338,6 +336,38 @@ pub fn check_effect(name: &str, further: &[&'static Entry]) -> Result<&'static E
             known.join(", ")
         )
     })
+}
+
+/// Load over its mean on the records learned from.
+fn relate_load(
+    model: &SmallModel,
+    records: &mut [Motion],
+    held_out: &mut Motion,
+) -> Result<(), SmallCaseError> {
+    if model.columns.load.is_none() {
+        return Ok(());
+    }
+    let all: Vec<f64> = records
+        .iter()
+        .flat_map(|record| record.load.iter().copied())
+        .collect();
+    let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+    if mean <= 0.0 || mean.is_nan() {
+        return Err(SmallCaseError::Unusable {
+            file: records[0].name.clone(),
+            what: format!(
+                "the load is {mean} on average; a contact is pressed together by a positive load"
+            ),
+        });
+    }
+    for load in records
+        .iter_mut()
+        .chain([held_out])
+        .flat_map(|record| &mut record.load)
+    {
+        *load /= mean;
+    }
+    Ok(())
 }
 
 fn same_file(left: &FilePath, right: &FilePath) -> bool {

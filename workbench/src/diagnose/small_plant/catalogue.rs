@@ -173,10 +173,7 @@ pub fn possible(plant: &SmallModel, supposed: &[&'static Entry]) -> Vec<&'static
         _ => &[],
     };
     let own = plant.of_ports.iter().chain(supposed).copied();
-    let all = shared
-        .iter()
-        .filter(|entry| own.clone().all(|own| own.name != entry.name));
-    let all = all.chain(own.clone());
+    let all = shared.iter().chain(own);
     all.filter(|entry| entry.fits(model.kind, model.path, has_load))
         .filter(|entry| !model.has(entry.name))
         .collect()
@@ -188,7 +185,7 @@ pub fn entry(name: &str) -> Option<&'static Entry> {
     CATALOGUE.iter().find(|entry| entry.name == name)
 }
 
-pub(super) fn two_gaussians(p: &[f64], s: &Sample, _: f64) -> f64 {
+fn two_gaussians(p: &[f64], s: &Sample, _: f64) -> f64 {
     let direction = s.direction;
     let angle = stickslip::friction::acceleration_angle(
         direction * s.velocity,

@@ -249,8 +249,8 @@ impl Columns {
             _ if self.predicted.is_some() && kind != Kind::Balance => {
                 Some("predicted belongs to a balance alone; leave the line out")
             }
-            _ if self.load.is_some() && !matches!(kind, Kind::Contact | Kind::Fmu) => {
-                Some("load belongs to a contact or an FMU; leave the line out")
+            _ if self.load.is_some() && kind != Kind::Contact => {
+                Some("load belongs to a contact alone; leave the line out")
             }
             _ => None,
         };

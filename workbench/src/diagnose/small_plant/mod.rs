@@ -24,7 +24,6 @@ pub mod filter;
 pub mod finding;
 pub mod fmu;
 pub mod least_squares;
-mod load;
 pub mod model;
 pub mod model_file;
 pub mod model_reader;

@@ -79,7 +79,6 @@ impl Model {
             };
             sample = &loaded;
         }
-        let own = sample.own_friction;
         let force = |term: &Term, friction: f64| {
             if term.entry.place.is_at(sample.port) {
                 term.entry.force(&term.values, sample, friction)
@@ -87,15 +86,11 @@ impl Model {
                 0.0
             }
         };
-        let (mut friction, mut other) = (own, 0.0);
+        let (mut friction, mut other) = (0.0, 0.0);
         let laws = self.terms.iter().enumerate().rev();
         let mut laws = laws.filter(|(_, term)| term.entry.role == Role::Law);
         if let Some((_, law)) = laws.find(|(_, term)| term.entry.place.is_at(sample.port)) {
-            // An FMU's own friction gives way to the law, which holds at the mean load.
-            friction = match self.kind {
-                Kind::Fmu => sample.load * force(law, 0.0),
-                _ => force(law, 0.0),
-            };
+            friction = force(law, 0.0);
         }
         for term in self.terms.iter().filter(|t| t.entry.role == Role::Friction) {
             friction += force(term, 0.0);
@@ -103,7 +98,7 @@ impl Model {
         for term in self.terms.iter().filter(|t| t.entry.role == Role::Added) {
             other += force(term, friction);
         }
-        friction - own + other
+        friction + other
     }
 
     /// Time by which the readings of the motion at a port lag behind the force [s].

@@ -67,8 +67,6 @@ pub struct Pursuit {
     pub delayed: Vec<Vec<f64>>,
     /// By how much it falls as the columns that may be off by a constant grow [N or N m over the column's unit].
     pub offsets: Vec<Vec<f64>>,
-    /// The FMU's own friction against the motion [N or N m]; zero where no output gives it.
-    pub friction: Vec<f64>,
 }
 
 /// Usual sizes of what is in a record: root mean squares.

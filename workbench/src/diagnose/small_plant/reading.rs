@@ -76,9 +76,7 @@ pub fn read(
         .flat_map(|ports| ports.ports.iter().skip(1))
     {
         let [position, velocity] = [&port.measured_position, &port.measured_velocity];
-        let mut further = sheet.motion(part, position.as_ref(), velocity.as_ref())?;
-        further.load.clone_from(&motions[0].load);
-        motions.push(further);
+        motions.push(sheet.motion(part, position.as_ref(), velocity.as_ref())?);
     }
     Ok(Recorded { motions, driven })
 }

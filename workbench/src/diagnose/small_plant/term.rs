@@ -39,8 +39,6 @@ pub struct Sample {
     pub nominal: f64,
     /// Which of an FMU's ports it is of.
     pub port: usize,
-    /// The FMU's own friction there against the motion [N or N m].
-    pub own_friction: f64,
     /// By how much it falls as each uncertain parameter grows by its own value [N or N m].
     pub drifts: [f64; MOST_PARAMETERS],
     /// By how much an FMU's missing force falls as each column that may be off by a constant grows [N or N m over the column's unit].

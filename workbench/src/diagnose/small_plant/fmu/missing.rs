@@ -246,7 +246,6 @@ fn moved(
         delayed,
         slopes,
         offsets,
-        friction: own.friction.clone(),
     });
     // What the force was found for: another estimate of the motion has other noise, and a mixture of both has less than either.
     motion.force.clone_from(&own.force);

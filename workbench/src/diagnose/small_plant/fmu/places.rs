@@ -1,11 +1,11 @@
-//! The effects that an FMU can have at its ports: those of the catalogue at each port, what changes the FMU's own friction, parameters that
-//! drift, and columns that are off.
+//! The effects that an FMU can have at its ports: those of the catalogue at each port, what repeats with teeth, parameters that drift, and
+//! columns that are off.
 
 use stickslip::body::{Dimension, Kind, Parameter, Path, parameter};
 use stickslip::parameter::Range;
 
 use super::ports::{Input, Port, Ports};
-use crate::diagnose::small_plant::catalogue::{CATALOGUE, two_gaussians};
+use crate::diagnose::small_plant::catalogue::CATALOGUE;
 use crate::diagnose::small_plant::term::{Entry, Formula, Place, Role};
 
 /// An effect of an FMU without anything that only some have.
@@ -26,149 +26,6 @@ const PLAIN: Entry = Entry {
     own: false,
     place: Place::Everywhere,
 };
-
-/// What changes the FMU's own friction, where an output gives that.
-const OF_FRICTION: [Entry; 4] = [
-    Entry {
-        name: "normal_force_wobble",
-        description: "friction that varies once per turn: the FMU's friction times cosine and sine of the position",
-        signature: "a residual that repeats with the angle and grows with the friction",
-        confusable: &["unbalance"],
-        path: Some(Path::Turn),
-        parameters: &[
-            parameter(
-                "cosine",
-                Dimension::Ratio,
-                Range::Finite,
-                "share that goes with the angle's cosine",
-            ),
-            parameter(
-                "sine",
-                Dimension::Ratio,
-                Range::Finite,
-                "share that goes with the angle's sine",
-            ),
-        ],
-        formula: Formula::Code {
-            force: |p, s, friction| friction * (p[0] * s.position.cos() + p[1] * s.position.sin()),
-            starts: &[&[0.1, 0.1]],
-        },
-        ..PLAIN
-    },
-    Entry {
-        name: "stribeck",
-        description: "friction that falls as the motion sets in: the FMU's friction times excess·exp(−|v|/speed)",
-        signature: "a residual over the velocity with a peak on both sides of zero that grows with the friction",
-        confusable: &["acceleration_hysteresis"],
-        parameters: &[
-            parameter(
-                "excess",
-                Dimension::Ratio,
-                Range::Finite,
-                "share of the FMU's friction by which that at no speed is higher",
-            ),
-            parameter(
-                "speed",
-                Dimension::Speed,
-                Range::Positive,
-                "speed over which it falls by 63 %",
-            ),
-        ],
-        formula: Formula::Code {
-            force: |p, s, _| s.own_friction * p[0] * (-s.velocity.abs() / p[1]).exp(),
-            starts: &[&[0.1, 0.1], &[0.1, 0.3]],
-        },
-        ..PLAIN
-    },
-    Entry {
-        name: "load_exponent",
-        description: "friction with a power of the load: the FMU's friction times (load/mean load)^exponent",
-        signature: "a residual that follows the load",
-        confusable: &["friction_wear"],
-        needs_load: true,
-        parameters: &[parameter(
-            "exponent",
-            Dimension::Ratio,
-            Range::Finite,
-            "what the power has beyond the FMU's",
-        )],
-        formula: Formula::Code {
-            force: |p, s, _| {
-                let power = if s.load > 0.0 { s.load.powf(p[0]) } else { 1.0 };
-                s.own_friction * (power - 1.0)
-            },
-            starts: &[&[0.1], &[-0.1]],
-        },
-        ..PLAIN
-    },
-    Entry {
-        name: "acceleration_hysteresis",
-        description: "friction over the angle α of the plane of velocity and acceleration, two Gaussians (Eqs 6-1, 6-2) times the load, instead of the FMU's",
-        signature: "friction that differs between speeding up and slowing down at the same speed",
-        confusable: &["stribeck", "sensor_delay"],
-        needs_load: true,
-        role: Role::Law,
-        parameters: &[
-            parameter(
-                "a1",
-                Dimension::Force,
-                Range::Positive,
-                "height of the first Gaussian at the mean load",
-            ),
-            parameter(
-                "b1",
-                Dimension::Angle,
-                Range::Between(-4.2, 4.2),
-                "its place",
-            ),
-            parameter(
-                "c1",
-                Dimension::Angle,
-                Range::Between(0.05, 9.0),
-                "its width",
-            ),
-            parameter(
-                "a2",
-                Dimension::Force,
-                Range::Positive,
-                "height of the second Gaussian at the mean load",
-            ),
-            parameter(
-                "b2",
-                Dimension::Angle,
-                Range::Between(-4.2, 4.2),
-                "its place",
-            ),
-            parameter(
-                "c2",
-                Dimension::Angle,
-                Range::Between(0.05, 9.0),
-                "its width",
-            ),
-            parameter(
-                "centre",
-                Dimension::Speed,
-                Range::Positive,
-                "centre of the ellipse and its semi-axis in velocity",
-            ),
-            parameter(
-                "semi_axis",
-                Dimension::Acceleration,
-                Range::Positive,
-                "semi-axis of the ellipse in acceleration",
-            ),
-        ],
-        formula: Formula::Code {
-            force: |p, s, _| two_gaussians(&[p, &[0.0]].concat(), s, 0.0),
-            starts: &[
-                &[1.0, -2.5, 1.5, 1.0, 2.5, 2.2, 1.0, 1.0],
-                &[1.0, -1.2, 1.5, 1.0, 2.0, 2.2, 0.7, 1.0],
-                &[1.0, -3.0, 2.0, 0.5, 0.5, 2.0, 1.0, 2.0],
-            ],
-        },
-        ..PLAIN
-    },
-];
 
 /// The effects beside those of the catalogue, or instead of them where there are several ports; `parameters` are those that are uncertain.
 #[must_use]
@@ -191,7 +48,6 @@ pub fn effects(ports: &Ports, parameters: &[Parameter]) -> Vec<&'static Entry> {
             let shared = CATALOGUE
                 .iter()
                 .filter(|entry| entry.kinds.contains(&Kind::Fmu));
-            let shared = shared.filter(|entry| own.iter().all(|own| own.name != entry.name));
             all.extend(shared.map(|entry| place(*entry)));
         }
         all.extend(own.into_iter().map(place));
@@ -251,12 +107,9 @@ pub fn placed(entry: &Entry, at: usize, port: &str) -> Entry {
     }
 }
 
-/// What a port's friction and its teeth make possible.
+/// What a port's teeth make possible.
 fn of_port(port: &Port) -> Vec<Entry> {
     let mut all = Vec::new();
-    if port.friction.is_some() {
-        all.extend(OF_FRICTION);
-    }
     for often in &port.repeats {
         let name = format!("ripple_{often}").replace('.', "_");
         all.push(Entry {

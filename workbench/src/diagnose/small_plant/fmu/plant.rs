@@ -42,8 +42,6 @@ pub struct Place {
     pub position: Option<(usize, f64)>,
     /// The output of the velocity there, likewise.
     pub velocity: Option<(usize, f64)>,
-    /// The output of the FMU's own friction there, likewise.
-    pub friction: Option<(usize, f64)>,
     /// Frequency below which forces are compared there, where it has one of its own [Hz].
     pub cut_off: Option<f64>,
     /// Whether the position was measured, so that the FMU's is to be the same.
@@ -260,7 +258,6 @@ impl Place {
             input: self.input,
             position: self.position,
             velocity: self.velocity,
-            friction: self.friction,
             measured_position: read(&motion.position, &velocity),
             measured_velocity: read(&velocity, &slopes(&velocity, motion.interval)),
             is_absolute: self.is_absolute,
@@ -319,7 +316,6 @@ impl Finder<'_> {
         Ok(Place {
             position: output(&port.position, Quantity::Position)?,
             velocity: output(&port.velocity, Quantity::Velocity)?,
-            friction: output(&port.friction, Quantity::Force)?,
             input: (input, self.factor("port", input, Quantity::Force)?),
             cut_off: port.compare_low_pass,
             is_absolute: false,

@@ -35,8 +35,6 @@ pub struct Port {
     pub position: Option<String>,
     /// Output: velocity where it acts.
     pub velocity: Option<String>,
-    /// Output: the FMU's own friction there, positive against a forward motion.
-    pub friction: Option<String>,
     /// Column of the measured position there; that of the first port stands in `[columns]`.
     pub measured_position: Option<Column>,
     /// Column of the measured velocity, likewise.
@@ -152,7 +150,6 @@ impl Port {
             ("input", Some(&self.input)),
             ("position", self.position.as_ref()),
             ("velocity", self.velocity.as_ref()),
-            ("friction", self.friction.as_ref()),
         ];
         for (key, name) in names {
             if let Some(name) = name {

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::term::{Place, Role, Sample};
+use crate::diagnose::small_plant::term::Sample;
 
 const TWO: &str = r#"[plant]
 kind = "fmu"
@@ -13,7 +13,6 @@ path = "turn"
 name = "disc"
 input = "disc_port.torque"
 position = "theta"
-friction = "T_f"
 
 [[port]]
 name = "motor"
@@ -32,7 +31,6 @@ parameters = ["R"]
 [columns]
 time = { column = "t", unit = "s" }
 position = { column = "angle", unit = "rad" }
-load = { column = "load", unit = "N" }
 
 [measurement]
 motion_low_pass = 20.0
@@ -59,17 +57,14 @@ fn effects_have_the_name_of_their_place() {
     for name in [
         "coulomb_friction_at_disc",
         "coulomb_friction_at_motor",
-        "normal_force_wobble_at_disc",
         "ripple_16_at_motor",
         "R_drift",
         "N2_offset",
     ] {
         assert!(names.contains(&name), "{name}: {names:?}");
     }
-    // No output gives the motor's friction, and the disc has no teeth.
-    for name in ["normal_force_wobble_at_motor", "ripple_16_at_disc"] {
-        assert!(!names.contains(&name), "{name}: {names:?}");
-    }
+    // The disc has no teeth.
+    assert!(!names.contains(&"ripple_16_at_disc"), "{names:?}");
 }
 
 #[test]
@@ -87,24 +82,6 @@ fn an_effect_acts_at_its_port_alone() {
     };
     assert_eq!(force("coulomb_friction_at_motor", vec![0.3], 0), 0.0);
     assert_eq!(force("coulomb_friction_at_motor", vec![0.3], 1), 0.3);
-}
-
-#[test]
-fn a_law_at_one_port_leaves_the_friction_at_the_other() {
-    let model = SmallModel::parse(TWO, "ports.toml").unwrap();
-    let mut laws = model.of_ports.iter().filter(|own| own.role == Role::Law);
-    let law = laws.find(|own| own.place == Place::Port(0)).unwrap();
-    let values = vec![1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0];
-    let lawful = model.model.with(law, values);
-    let sample = Sample {
-        velocity: 2.0,
-        direction: 1.0,
-        load: 1.0,
-        own_friction: 0.4,
-        ..Sample::default()
-    };
-    assert!(lawful.force(&sample) > 0.0);
-    assert_eq!(lawful.force(&Sample { port: 1, ..sample }), 0.0);
 }
 
 #[test]
@@ -127,7 +104,7 @@ fn ports_that_cannot_be_told_apart_or_have_no_motion_are_refused() {
         ("name = \"motor\"", "name = \"disc\"", "no other port has"),
         (column, "", "a column for one of them at every port"),
         (
-            "friction = \"T_f\"\n",
+            "position = \"theta\"\n",
             column,
             "[columns] has those of the first port",
         ),

@@ -49,8 +49,6 @@ pub struct PursuedPort {
     pub position: Option<(usize, f64)>,
     /// Output of velocity and what one of its unit is in m/s or rad/s.
     pub velocity: Option<(usize, f64)>,
-    /// Output of the FMU's own friction there and what one of its unit is in N or N m.
-    pub friction: Option<(usize, f64)>,
     /// Measured position [m or rad].
     pub measured_position: Vec<f64>,
     /// Measured velocity [m/s or rad/s].
@@ -83,8 +81,6 @@ pub struct Pursuit {
     pub velocity: Vec<f64>,
     /// Its acceleration [m/s² or rad/s²].
     pub acceleration: Vec<f64>,
-    /// The FMU's own friction there [N or N m]; zero where no output gives it.
-    pub friction: Vec<f64>,
     /// Inertia that the port shows [kg or kg m²]; negative where a positive force moves the FMU backward.
     pub inertia: f64,
 }
@@ -176,7 +172,6 @@ impl Course {
             position: mean(&|at| middle(|own| own.position, at)),
             velocity: mean(&|at| middle(|own| own.velocity, at)),
             acceleration: mean(&gained),
-            friction: mean(&|at| middle(|own| own.friction, at)),
             inertia,
         }
     }
@@ -192,7 +187,6 @@ fn between(position: [f64; 2], velocity: [f64; 2], interval: f64, part: f64) -> 
     Moved {
         position: from + part * (leaving + part * (bend + part * twist)),
         velocity: (leaving + part * (2.0 * bend + part * 3.0 * twist)) / interval,
-        friction: 0.0,
     }
 }
 
@@ -217,12 +211,11 @@ struct Chase<'a> {
     is_begun: bool,
 }
 
-/// The FMU's motion at a port at one time, with its friction there.
+/// The FMU's motion at a port at one time.
 #[derive(Clone, Copy, Default)]
 struct Moved {
     position: f64,
     velocity: f64,
-    friction: f64,
 }
 
 impl<'a> Chase<'a> {
@@ -232,7 +225,7 @@ impl<'a> Chase<'a> {
         let (substeps, step) = substeps(pursued.interval, fastest);
         let outputs = ports
             .clone()
-            .flat_map(|port| [port.position, port.velocity, port.friction]);
+            .flat_map(|port| [port.position, port.velocity]);
         Self {
             component,
             pursued,
@@ -308,7 +301,6 @@ impl<'a> Chase<'a> {
         for (place, port) in self.pursued.ports.iter().enumerate() {
             let position = read(port.position);
             let velocity = read(port.velocity);
-            let friction = read(port.friction).unwrap_or(0.0);
             let before = before.map(|all| all[place]);
             let (position, velocity) = match (position, velocity, before) {
                 (Some(position), Some(velocity), _) => (position, velocity),
@@ -324,11 +316,7 @@ impl<'a> Chase<'a> {
                     (position, velocity)
                 }
             };
-            all.push(Moved {
-                position,
-                velocity,
-                friction,
-            });
+            all.push(Moved { position, velocity });
         }
         Ok(all)
     }

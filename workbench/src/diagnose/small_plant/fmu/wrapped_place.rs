@@ -2,19 +2,12 @@
 
 use super::wrapper::WrapperError;
 use crate::diagnose::small_plant::base::PARAMETERS;
-use crate::diagnose::small_plant::equation::uses;
 use crate::diagnose::small_plant::model_file::SmallModel;
 use crate::diagnose::small_plant::term::{Formula, Place, Role};
-use stickslip::body::coordinate::FRICTION;
 
 /// The port at which all effects of a model act.
 pub(super) fn place_of(model: &SmallModel, file: &str) -> Result<usize, WrapperError> {
     let mut at = None;
-    let knows_friction = model
-        .ports
-        .iter()
-        .flat_map(|ports| &ports.ports)
-        .any(|port| port.friction.is_some());
     for term in model
         .model
         .terms()
@@ -28,11 +21,6 @@ pub(super) fn place_of(model: &SmallModel, file: &str) -> Result<usize, WrapperE
         };
         match (term.entry.formula, term.entry.place, term.entry.role) {
             (_, _, Role::Shift | Role::Reading) => {}
-            (Formula::Equation { operations, .. }, _, _)
-                if knows_friction && uses(operations, FRICTION) =>
-            {
-                return Err(elsewhere("changes the friction inside the FMU"));
-            }
             (Formula::Equation { .. }, Place::Everywhere, _) => {}
             (Formula::Equation { .. }, Place::Port(own), _) => {
                 if at.replace(own).is_some_and(|other| other != own) {
