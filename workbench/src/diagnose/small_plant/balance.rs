@@ -202,6 +202,16 @@ impl Balance {
 impl Prepared {
     /// A series after the low-pass, at the moments that are compared.
     fn thinned(&self, series: &[f64]) -> Vec<f64> {
+        let known;
+        let mut series = series;
+        if self.motion.pursuit.is_some() {
+            // The filter would spread what the FMU's own friction takes at rest, which nobody knows, over the moments beside.
+            let pairs = series.iter().zip(&self.motion.tells);
+            known = pairs
+                .map(|(value, tells)| if *tells { *value } else { 0.0 })
+                .collect::<Vec<f64>>();
+            series = &known;
+        }
         let filtered = self.filter.as_ref().map(|filter| filter.apply(series));
         let series = filtered.as_deref().unwrap_or(series);
         let at = |kept: &usize| series[self.edge + kept * self.stride];

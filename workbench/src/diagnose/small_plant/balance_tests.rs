@@ -1,4 +1,4 @@
-//! Derivatives that a balance knows without another run are those of its residuals.
+//! What a balance compares: derivatives that it knows without another run, and moments whose force is known.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -17,8 +17,16 @@ fn wave(count: usize, rate: f64) -> Vec<f64> {
         .collect()
 }
 
-#[test]
-fn residuals_grow_with_an_fmus_parameters_as_the_pursuits_say() {
+const MEASUREMENT: Measurement = Measurement {
+    motion_low_pass: 20.0,
+    compare_low_pass: Some(8.0),
+    compare_rate: 50.0,
+    edge: 0.5,
+    standstill_speed: 0.0,
+};
+
+/// A record of an FMU with two uncertain parameters.
+fn pursued() -> Motion {
     let count = 1000;
     let position = Measured::Position(wave(count, 3.0));
     let mut motion = Motion::new("run".to_owned(), 0.0, 0.01, position, 20.0, 0.0);
@@ -34,14 +42,11 @@ fn residuals_grow_with_an_fmus_parameters_as_the_pursuits_say() {
         delayed: vec![vec![0.0; count]],
         offsets: Vec::new(),
     });
-    let records = [motion];
-    let measurement = Measurement {
-        motion_low_pass: 20.0,
-        compare_low_pass: Some(8.0),
-        compare_rate: 50.0,
-        edge: 0.5,
-        standstill_speed: 0.0,
-    };
+    motion
+}
+
+/// A model with numbers of those parameters.
+fn model() -> Model {
     let parameter = |key: &'static str, size: f64| Parameter {
         key,
         dimension: Dimension::Own { unit: "1", size },
@@ -50,8 +55,14 @@ fn residuals_grow_with_an_fmus_parameters_as_the_pursuits_say() {
         guess: None,
     };
     let base = of_fmu(vec![parameter("a", 0.1), parameter("b", 0.02)]);
-    let model = Model::new(Kind::Fmu, Path::Turn, base, vec![2.4, 0.3]);
-    let problem = Balance::new(&records, &measurement, &Scales::of(&records))
+    Model::new(Kind::Fmu, Path::Turn, base, vec![2.4, 0.3])
+}
+
+#[test]
+fn residuals_grow_with_an_fmus_parameters_as_the_pursuits_say() {
+    let records = [pursued()];
+    let model = model();
+    let problem = Balance::new(&records, &MEASUREMENT, &Scales::of(&records))
         .knowing(&model, 0.7)
         .weighing(&[1.3]);
     let all = |model: &Model| {
@@ -80,4 +91,16 @@ fn residuals_grow_with_an_fmus_parameters_as_the_pursuits_say() {
             }
         }
     }
+}
+
+#[test]
+fn a_force_at_rest_shows_in_no_other_moment() {
+    let residuals = |at_rest: f64| {
+        let mut motion = pursued();
+        motion.tells[400..450].fill(false);
+        motion.force[400..450].fill(at_rest);
+        let records = [motion];
+        Balance::new(&records, &MEASUREMENT, &Scales::of(&[pursued()])).residuals(&model())
+    };
+    assert_eq!(residuals(0.0), residuals(100.0));
 }
