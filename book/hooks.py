@@ -16,6 +16,7 @@ ROOT_PAGES = {
     "README.md": "OVERVIEW.md",
     "DESIGN.md": "DESIGN.md",
     "ARCHITECTURE.md": "ARCHITECTURE.md",
+    "CONTRIBUTING.md": "CONTRIBUTING.md",
     "CHANGELOG.md": "CHANGELOG.md",
     "SECURITY.md": "SECURITY.md",
 }

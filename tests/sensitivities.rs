@@ -183,7 +183,7 @@ fn parameters_and_initial_states_through_presliding() {
             let mut lifted: RigState<Dual<1>> = start.map(Dual::constant);
             lifted[place] = Dual::variable(start[place], 0);
             let options = common::options(1e-13);
-            let (lifted_rig, inputs) = (rig.lift::<Dual<1>>(), inputs.lift());
+            let (lifted_rig, inputs) = (rig.to_scalar::<Dual<1>>(), inputs.to_scalar());
             let mut run = Simulation::new(lifted_rig, options, 0.0, lifted, inputs).unwrap();
             run.advance_to(0.4).unwrap();
             let ours = run.state_at(0.4).map(|x| x.derivative[0]);
@@ -210,9 +210,9 @@ fn initial_states_of_every_law_and_both_rigs() {
             let (start, used) = (moving(full, law.0), if full { 7 } else { 5 });
             let lifted = seeded::<7>(start, used);
             let options = common::options(1e-13);
-            let inputs = inputs(&rig).lift();
+            let inputs = inputs(&rig).to_scalar();
             let mut run =
-                Simulation::new(rig.lift::<Dual<7>>(), options, 0.0, lifted, inputs).unwrap();
+                Simulation::new(rig.to_scalar::<Dual<7>>(), options, 0.0, lifted, inputs).unwrap();
             run.advance_to(END).unwrap();
             let result = run.state_at(END);
             let mut worst = 0.0_f64;
@@ -232,9 +232,9 @@ fn initial_states_of_every_law_and_both_rigs() {
 
 /// A run with derivatives by the initial state.
 fn varied(rig: &Rig<f64>, start: RigState<f64>) -> Simulation<Dual<5>, Rig<Dual<5>>> {
-    let inputs = inputs(rig).lift();
+    let inputs = inputs(rig).to_scalar();
     Simulation::new(
-        rig.lift(),
+        rig.to_scalar(),
         common::options(1e-6),
         0.0,
         seeded(start, 5),
@@ -269,11 +269,11 @@ fn a_run_started_over_is_a_new_one_to_the_last_bit() {
         anew.advance_to(END).unwrap();
         // The run before was another one, at rest and with the brake released on the way.
         let mut again = varied(&rig, [0.0; STATES]);
-        let released = RigInputs::held(5.0, 0.0, 0.0).lift();
+        let released = RigInputs::held(5.0, 0.0, 0.0).to_scalar();
         again.set_inputs(0.7, released).unwrap();
         again.advance_to(1.9).unwrap();
         again
-            .start_over(0.0, seeded(start, 5), inputs(&rig).lift())
+            .start_over(0.0, seeded(start, 5), inputs(&rig).to_scalar())
             .unwrap();
         again.advance_to(END).unwrap();
         assert_eq!(
@@ -288,7 +288,7 @@ fn a_run_started_over_is_a_new_one_to_the_last_bit() {
 
 /// The state at 1 s of a run whose normal force drops at 0.3 s below what holds the disc.
 fn after_drop<S: Scalar>(rig: &Rig<S>) -> RigState<S> {
-    let held = |force| RigInputs::<f64>::held(3.1, force, 0.0).lift();
+    let held = |force| RigInputs::<f64>::held(3.1, force, 0.0).to_scalar();
     let start = [S::ZERO; STATES];
     let mut run = common::start(rig, 1e-13, start, held(50.0)).unwrap();
     run.set_inputs(0.3, held(5.0)).unwrap();
@@ -302,7 +302,7 @@ fn a_disc_that_new_inputs_set_free_goes_at_that_instant_whatever_the_parameters(
     let rig = common::rig(false, common::law("stribeck"), "");
     for name in ["shaft.stiffness", "disc.inertia", "contact.mu_s"] {
         let value = rig.parameter(name).unwrap();
-        let mut lifted = rig.lift::<Dual<1>>();
+        let mut lifted = rig.to_scalar::<Dual<1>>();
         lifted
             .set_parameter(name, Dual::variable(value, 0))
             .unwrap();
@@ -385,7 +385,14 @@ fn from_settled(
         order,
         ..common::options(tolerance)
     };
-    let mut run = Simulation::new(rig.lift(), options, 0.0, seeded, inputs(rig).lift()).unwrap();
+    let mut run = Simulation::new(
+        rig.to_scalar(),
+        options,
+        0.0,
+        seeded,
+        inputs(rig).to_scalar(),
+    )
+    .unwrap();
     let states = [0.0005, 0.002, 0.01, 0.03, 0.05, 0.1].map(|time| {
         run.advance_to(time).unwrap();
         run.state_at(time)

@@ -246,7 +246,7 @@ impl<S: Scalar> Body<S> {
     }
 
     /// The same over another kind of number.
-    pub fn lift<T: Scalar>(&self) -> Body<T> {
+    pub fn to_scalar<T: Scalar>(&self) -> Body<T> {
         Body {
             kind: self.kind,
             path: self.path,

@@ -216,7 +216,7 @@ impl Course {
     /// No such parameter.
     pub fn partial(&self, known: Known, time: f64) -> Result<Instant<Dual<1>>, ParameterError> {
         let mut inputs = self.inputs(time).map(Dual::constant);
-        let mut law = self.law.lift::<Dual<1>>();
+        let mut law = self.law.to_scalar::<Dual<1>>();
         match known {
             Known::Input(place) => {
                 if let Some(input) = inputs.get_mut(place) {

@@ -200,18 +200,18 @@ impl<S: Scalar> ControlLaw<S> {
     }
 
     /// The same law over another kind of number, without derivatives.
-    pub fn lift<T: Scalar>(&self) -> ControlLaw<T> {
+    pub fn to_scalar<T: Scalar>(&self) -> ControlLaw<T> {
         match self {
             Self::Speed(law) => ControlLaw::Speed(SpeedController {
-                gains: law.gains.lift(),
-                gearbox: law.gearbox.map(|gearbox| gearbox.lift()),
-                voltage: law.voltage.lift(),
+                gains: law.gains.to_scalar(),
+                gearbox: law.gearbox.map(|gearbox| gearbox.to_scalar()),
+                voltage: law.voltage.to_scalar(),
             }),
             Self::SoftTorque(law) => ControlLaw::SoftTorque(SoftTorque {
-                gains: law.gains.lift(),
-                gearbox: law.gearbox.lift(),
-                motor: law.motor.lift(),
-                voltage: law.voltage.lift(),
+                gains: law.gains.to_scalar(),
+                gearbox: law.gearbox.to_scalar(),
+                motor: law.motor.to_scalar(),
+                voltage: law.voltage.to_scalar(),
             }),
         }
     }

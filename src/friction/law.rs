@@ -102,16 +102,16 @@ impl<S: Scalar> Law<S> {
     }
 
     /// The same law over another kind of number.
-    pub fn lift<T: Scalar>(&self) -> Law<T> {
+    pub fn to_scalar<T: Scalar>(&self) -> Law<T> {
         match self {
-            Self::Coulomb(law) => Law::Coulomb(law.lift()),
-            Self::CoulombStiction(law) => Law::CoulombStiction(law.lift()),
-            Self::Stribeck(law) => Law::Stribeck(law.lift()),
-            Self::Karnopp(law) => Law::Karnopp(law.lift()),
-            Self::Switch(law) => Law::Switch(law.lift()),
-            Self::Wojewoda(law) => Law::Wojewoda(law.lift()),
-            Self::TwoGaussianTorque(law) => Law::TwoGaussianTorque(law.lift()),
-            Self::TwoGaussianMu(law) => Law::TwoGaussianMu(law.lift()),
+            Self::Coulomb(law) => Law::Coulomb(law.to_scalar()),
+            Self::CoulombStiction(law) => Law::CoulombStiction(law.to_scalar()),
+            Self::Stribeck(law) => Law::Stribeck(law.to_scalar()),
+            Self::Karnopp(law) => Law::Karnopp(law.to_scalar()),
+            Self::Switch(law) => Law::Switch(law.to_scalar()),
+            Self::Wojewoda(law) => Law::Wojewoda(law.to_scalar()),
+            Self::TwoGaussianTorque(law) => Law::TwoGaussianTorque(law.to_scalar()),
+            Self::TwoGaussianMu(law) => Law::TwoGaussianMu(law.to_scalar()),
         }
     }
 

@@ -113,7 +113,7 @@ macro_rules! section {
             }
 
             /// The same values as another kind of number, without derivatives.
-            pub fn lift<T: $crate::series::Scalar>(&self) -> $name<T> {
+            pub fn to_scalar<T: $crate::series::Scalar>(&self) -> $name<T> {
                 $name { $( $field: T::constant(self.$field.value()), )* }
             }
         }

@@ -272,8 +272,8 @@ macro_rules! effects {
             }
 
             /// The same effects over another kind of number.
-            pub fn lift<T: Scalar>(&self) -> $effects<T> {
-                $effects { $( $field: self.$field.map(|effect| effect.lift()), )* }
+            pub fn to_scalar<T: Scalar>(&self) -> $effects<T> {
+                $effects { $( $field: self.$field.map(|effect| effect.to_scalar()), )* }
             }
         }
     };

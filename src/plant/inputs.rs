@@ -39,13 +39,13 @@ impl<S: Scalar> RigInputs<S> {
     }
 
     /// The same inputs over another kind of number, without derivatives.
-    pub fn lift<T: Scalar>(&self) -> RigInputs<T> {
-        let lift = |terms: [S; INPUT_TERMS]| terms.map(|c| T::constant(c.value()));
+    pub fn to_scalar<T: Scalar>(&self) -> RigInputs<T> {
+        let constants = |terms: [S; INPUT_TERMS]| terms.map(|c| T::constant(c.value()));
         RigInputs {
             time: self.time,
-            voltage: lift(self.voltage),
-            normal_force: lift(self.normal_force),
-            normal_force_1: lift(self.normal_force_1),
+            voltage: constants(self.voltage),
+            normal_force: constants(self.normal_force),
+            normal_force_1: constants(self.normal_force_1),
             disc_torque: T::constant(self.disc_torque.value()),
             motor_torque: T::constant(self.motor_torque.value()),
         }

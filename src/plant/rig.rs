@@ -275,23 +275,23 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// The same rig over another kind of number, without derivatives.
-    pub fn lift<T: Scalar>(&self) -> Rig<T> {
+    pub fn to_scalar<T: Scalar>(&self) -> Rig<T> {
         Rig {
-            disc: self.disc.lift(),
-            shaft: self.shaft.lift(),
-            gearbox: self.gearbox.lift(),
-            motor: self.motor.lift(),
-            contact: self.contact.lift(),
-            law: self.law.lift(),
+            disc: self.disc.to_scalar(),
+            shaft: self.shaft.to_scalar(),
+            gearbox: self.gearbox.to_scalar(),
+            motor: self.motor.to_scalar(),
+            contact: self.contact.to_scalar(),
+            law: self.law.to_scalar(),
             outer: self.outer.map(|outer| Outer {
-                disc: outer.disc.lift(),
-                shaft: outer.shaft.lift(),
-                contact: outer.contact.lift(),
-                law: outer.law.lift(),
-                effects: outer.effects.lift(),
+                disc: outer.disc.to_scalar(),
+                shaft: outer.shaft.to_scalar(),
+                contact: outer.contact.to_scalar(),
+                law: outer.law.to_scalar(),
+                effects: outer.effects.to_scalar(),
             }),
-            effects: self.effects.lift(),
-            equations: self.equations.lift(),
+            effects: self.effects.to_scalar(),
+            equations: self.equations.to_scalar(),
         }
     }
 }

@@ -47,18 +47,18 @@ pub fn sensitivities(
 ) -> Result<Vec<Sensitivities>, SensitivityError> {
     let mut results: Vec<Sensitivities> = Vec::with_capacity(times.len());
     for (batch, names) in names.chunks(BATCH).enumerate() {
-        let mut lifted = rig.lift::<Dual<BATCH>>();
+        let mut dual_rig = rig.to_scalar::<Dual<BATCH>>();
         for (slot, name) in names.iter().enumerate() {
             let value = rig.parameter(name).ok_or_else(|| ParameterError::Unknown {
                 name: (*name).to_owned(),
             })?;
-            lifted.set_parameter(name, Dual::variable(value, slot))?;
+            dual_rig.set_parameter(name, Dual::variable(value, slot))?;
         }
         let start = state.map(|x| Dual {
             value: x,
             derivative: [0.0; BATCH],
         });
-        let mut run = Simulation::new(lifted, options, 0.0, start, inputs.lift())?;
+        let mut run = Simulation::new(dual_rig, options, 0.0, start, inputs.to_scalar())?;
         for (place, &time) in times.iter().enumerate() {
             run.advance_to(time)?;
             let now = run.state_at(time);

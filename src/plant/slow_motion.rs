@@ -132,7 +132,7 @@ impl<S: Scalar> Rig<S> {
             mode,
             time.value(),
             &state.map(S::value),
-            &inputs.lift(),
+            &inputs.to_scalar(),
             order,
             tolerance,
             &mut tangent.jet,

@@ -1,4 +1,4 @@
-"""The book builds without a warning, its pages hold what they promise, and the tutorial can be typed."""
+"""The book builds without a warning, its pages hold what they promise, and tutorial and CONTRIBUTING.md can be typed."""
 
 import html.parser
 import json
@@ -131,17 +131,43 @@ def shell_blocks(page):
     return re.findall(r"(?ms)^```sh\n(.*?)^```", page.read_text())
 
 
-def test_the_tutorial_can_be_typed():
-    """All its `sh` blocks in their order, in one shell; the verdict is the promised one."""
-    script = "set -euo pipefail\nrm -rf out/tutorial\n" + "".join(shell_blocks(DOCS / "tutorial.md"))
+def type_blocks(page, out):
+    """Runs all `sh` blocks of a page in their order, in one shell; `out` is the folder that they fill."""
+    script = f"set -euo pipefail\nrm -rf {out}\n" + "".join(shell_blocks(page))
     result = subprocess.run(["bash", "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=600)
     assert result.returncode == 0, result.stdout + result.stderr
+    return result
+
+
+def test_the_tutorial_can_be_typed():
+    """The verdict is the promised one."""
+    result = type_blocks(DOCS / "tutorial.md", "out/tutorial")
     assert result.stdout.count("nothing found") == 4
     finding = json.loads((ROOT / "out/tutorial/diagnosis/finding.json").read_text())
     assert finding["verdict"] == "named"
     assert [effect["name"] for effect in finding["effects"]] == ["unbalance"]
     for name in ("believed/result.png", "corrected/result.csv", "diagnosis/report.html"):
         assert (ROOT / "out/tutorial" / name).exists(), name
+
+
+def test_the_record_and_the_effect_of_contributing_can_be_typed():
+    """The record tells enough for the page's own effect to be named, alone and with its number."""
+    result = type_blocks(ROOT / "CONTRIBUTING.md", "out/contributing")
+    assert "disagree most over the disc angle" in result.stdout
+    assert "cannot be told from each other" not in result.stdout + result.stderr
+    finding = json.loads((ROOT / "out/contributing/finding/finding.json").read_text())
+    assert finding["verdict"] == "named"
+    assert [effect["name"] for effect in finding["effects"]] == ["worn_bearing"]
+    assert finding["effects"][0]["parameters"]["torque"]["value"] == pytest.approx(0.05, rel=0.02)
+
+
+def test_contributing_names_files_that_are_there():
+    """All that the lists of files name, but what an example adds."""
+    added = {"src/friction/coulomb_viscous.rs"}
+    named = set(re.findall(r"`((?:src|crates|workbench|build-fmu|tests|examples)/[\w/.-]+)`", (ROOT / "CONTRIBUTING.md").read_text()))
+    assert len(named) > 25
+    for path in named - added:
+        assert (ROOT / path.replace("chapterN", "chapter4")).exists(), path
 
 
 def test_what_was_not_run_says_so():

@@ -82,7 +82,7 @@ pub enum Arrays {
 
 /// What is wrong with the arguments of an instantiation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Birth {
+pub enum Instantiation {
     /// Nothing.
     Sound,
     /// No instance name.
@@ -122,7 +122,7 @@ pub struct SetUp {
 pub enum Action {
     Instantiate {
         component: usize,
-        birth: Birth,
+        instantiation: Instantiation,
         event_mode: bool,
         early_return: bool,
         logging: bool,

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
-use crate::battle::Battle;
 use crate::call::{Call, SLOTS};
+use crate::call_sequence::CallSequence;
 use crate::component::Component;
 use crate::generate::generate;
 use crate::library::Library;
@@ -63,18 +63,18 @@ pub fn run(
     let mut tally = Tally::default();
     while tally.calls < calls {
         let seed = seed + tally.sequences;
-        let mut battle = Battle::new(library, components, version);
+        let mut call_sequence = CallSequence::new(library, components, version);
         let (mut random, mut script) = (Random::new(seed), Vec::with_capacity(SEQUENCE));
         for _ in 0..SEQUENCE {
             let slot = random.index(SLOTS);
-            let call = generate(&mut random, slot, battle.view(slot));
+            let call = generate(&mut random, slot, call_sequence.view(slot));
             script.push(call);
             let Some(call) = script.last() else { break };
             let begin = Instant::now();
-            let result = battle.carry_out(call);
+            let result = call_sequence.carry_out(call);
             tally.longest = tally.longest.max(begin.elapsed());
             if let Err(problem) = result {
-                battle.finish();
+                call_sequence.finish();
                 let fails = |script: &[Call]| replay(library, components, version, script).is_err();
                 let calls = shortened(script, fails);
                 return Err(Failure {
@@ -84,10 +84,10 @@ pub fn run(
                 });
             }
         }
-        battle.finish();
+        call_sequence.finish();
         tally.sequences += 1;
-        tally.calls += battle.calls;
-        tally.refused += battle.refused;
+        tally.calls += call_sequence.calls;
+        tally.refused += call_sequence.refused;
         progress(tally);
     }
     Ok(tally)
@@ -99,9 +99,11 @@ fn replay(
     version: Version,
     script: &[Call],
 ) -> Result<(), String> {
-    let mut battle = Battle::new(library, components, version);
-    let result = script.iter().try_for_each(|call| battle.carry_out(call));
-    battle.finish();
+    let mut call_sequence = CallSequence::new(library, components, version);
+    let result = script
+        .iter()
+        .try_for_each(|call| call_sequence.carry_out(call));
+    call_sequence.finish();
     result
 }
 

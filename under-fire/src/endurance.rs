@@ -122,7 +122,7 @@ pub fn threads(library: &Library, instances: usize, threads: usize) -> Result<St
 ///
 /// # Errors
 /// A call fails, or memory grows.
-pub fn births(library: &Library, count: usize) -> Result<String> {
+pub fn instances(library: &Library, count: usize) -> Result<String> {
     let component = Component::new(REDUCED_RIG)?;
     let warm = count / 10;
     let mut before = 0;
@@ -250,7 +250,7 @@ pub fn marathon(library: &Library, steps: u64, mut progress: impl FnMut(&str)) -
 ///
 /// # Errors
 /// A call fails, or a run ends elsewhere than alone.
-pub fn company(path: &Path) -> Result<String> {
+pub fn side_by_side(path: &Path) -> Result<String> {
     let folder = tempfile::tempdir()?;
     let mut libraries = Vec::new();
     for name in ["ReducedRig", "FullRig"] {
@@ -280,7 +280,7 @@ pub fn company(path: &Path) -> Result<String> {
     for ((rig, component), alone) in rigs.iter().zip(&alone) {
         ensure!(
             outputs(rig, component)? == *alone,
-            "a run in company ends elsewhere than alone"
+            "a run beside others ends elsewhere than alone"
         );
     }
     Ok("two components, each in its own copy of the library and through both versions, in one process: as alone".into())

@@ -2,7 +2,9 @@
 
 use stickslip::cosim::{Causality, Variable, VariableType};
 
-use crate::call::{Action, Aim, Arrays, Birth, Call, Kind, STATE_PLACES, SetUp, StateAim, View};
+use crate::call::{
+    Action, Aim, Arrays, Call, Instantiation, Kind, STATE_PLACES, SetUp, StateAim, View,
+};
 use crate::random::Random;
 use crate::standard::{State, Version};
 
@@ -47,15 +49,15 @@ pub fn generate(random: &mut Random, slot: usize, view: View<'_>) -> Call {
         _ => Aim::Own,
     };
     let action = match view.state {
-        None if !random.once_in(30) => birth(random),
+        None if !random.once_in(30) => instantiation(random),
         Some(state) if !random.once_in(12) => useful(random, state, view),
         _ => any(random, view),
     };
     Call { slot, aim, action }
 }
 
-fn birth(random: &mut Random) -> Action {
-    use Birth as B;
+fn instantiation(random: &mut Random) -> Action {
+    use Instantiation as B;
     let wrong = [
         B::NoName,
         B::BlankName,
@@ -69,7 +71,7 @@ fn birth(random: &mut Random) -> Action {
     ];
     Action::Instantiate {
         component: random.index(2),
-        birth: if random.once_in(4) {
+        instantiation: if random.once_in(4) {
             random.pick(&wrong)
         } else {
             B::Sound
@@ -139,7 +141,7 @@ fn useful(random: &mut Random, state: State, view: View<'_>) -> Action {
 
 fn any(random: &mut Random, view: View<'_>) -> Action {
     match random.index(27) {
-        0 => birth(random),
+        0 => instantiation(random),
         1 => Action::Free,
         2 => debug(random),
         3 => Action::SetUp(set_up(random)),

@@ -6,8 +6,8 @@ mod fmi3;
 use std::ffi::{CString, c_char};
 use std::ptr;
 
-use crate::battle::{Answer, Instance};
 use crate::call::{Action, Arrays};
+use crate::call_sequence::{Answer, Instance};
 use crate::expectation::Verdict;
 use crate::library::Library;
 use crate::standard::{Function, State, Version};

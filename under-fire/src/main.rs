@@ -47,7 +47,7 @@ enum Command {
         threads: usize,
     },
     /// Instances made, run and freed; memory must stay flat.
-    Births {
+    Instances {
         /// How many.
         #[arg(long, default_value_t = 100_000)]
         count: usize,
@@ -59,7 +59,7 @@ enum Command {
         steps: u64,
     },
     /// Two components and both versions in one process.
-    Company,
+    SideBySide,
     /// build-fmu, map, experiment and diagnose, killed at random times.
     Kills {
         /// How often, all together.
@@ -130,7 +130,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
         Command::Threads { instances, threads } => {
             report(endurance::threads(&library, *instances, *threads), start)
         }
-        Command::Births { count } => report(endurance::births(&library, *count), start),
+        Command::Instances { count } => report(endurance::instances(&library, *count), start),
         Command::Marathon { steps } => {
             let outcome = endurance::marathon(&library, *steps, |line| println!("{line}"));
             report(outcome, start)
@@ -144,7 +144,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             under_fire::kills::kills(*kills, *seed, source_tree, !*without_diagnose),
             start,
         ),
-        Command::Company => report(endurance::company(&path), start),
+        Command::SideBySide => report(endurance::side_by_side(&path), start),
     }
 }
 

@@ -19,7 +19,7 @@ use workbench::component::Native;
 use workbench::diagnose::amend::{self, amended_model};
 use workbench::diagnose::case::Case;
 use workbench::diagnose::finding::{Finding, VerdictName};
-use workbench::diagnose::finding::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
+use workbench::diagnose::gap::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
 use workbench::diagnose::material::CaseArguments;
 use workbench::diagnose::naming::{forced_finding, name};
 use workbench::diagnose::record_part::Part;

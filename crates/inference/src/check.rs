@@ -1,6 +1,7 @@
 //! Whether the best set explains the records: what is left, compared with what replicas of the records leave.
 
 use crate::fit::Fit;
+use crate::missed::{Encounter, FromRest};
 use crate::policy::{LN_PRIOR_ODDS, MOST_MISFIT, REPLICAS, SIGNIFICANT};
 use crate::problem::Problem;
 use crate::replica::{exceeded, left_of_replica};
@@ -14,6 +15,8 @@ pub struct Check {
     pub p_value: Option<f64>,
     /// Squared residuals over their number in the window in the middle of all.
     pub misfit: f64,
+    /// Windows from rest in the records and in the held-out one, and how many of them the model misses.
+    pub from_rest: FromRest,
     /// The most that a free torque over one coordinate gains in log evidence.
     pub structure: f64,
     /// Why the check failed, in words; empty where it did not.
@@ -64,6 +67,19 @@ pub fn check(
             "the squared residuals are {misfit:.2} times what the instruments explain"
         ));
     }
+    let encounter = Encounter::new(problem, fit);
+    let from_rest = encounter.of_records();
+    match chance(&encounter, from_rest, progress) {
+        Some(p_value) if p_value >= SIGNIFICANT => {}
+        Some(p_value) => reasons.push(format!(
+            "it misses {} of {} windows that start from rest; {REPLICAS} replicas of the records give so many a probability of {p_value:.0e}",
+            from_rest.missed, from_rest.windows
+        )),
+        None => reasons.push(format!(
+            "it misses {} of {} windows that start from rest, and the fitted model cannot run through the records to tell whether that is chance",
+            from_rest.missed, from_rest.windows
+        )),
+    }
     if fit.fluctuates_most() {
         reasons.push(format!(
             "friction would have to fluctuate by {:.0} % or more",
@@ -73,6 +89,7 @@ pub fn check(
     Check {
         p_value: least.map(|(_, p_value)| *p_value),
         misfit,
+        from_rest,
         structure: structure.first().map_or(0.0, |s| s.gain),
         reasons,
     }
@@ -101,6 +118,27 @@ fn beside_replicas<'a>(
     }
     let p_value = |own: &&'a Structure| Some((*own, exceeded(own.gain, gains(&replicas, own))?));
     suspects.iter().map(p_value).collect()
+}
+
+/// Probability that as many windows from rest are missed as of the records; `None` where the model cannot run through them. Where
+/// no replica could make it small, none is asked.
+fn chance(
+    encounter: &Encounter<'_>,
+    from_rest: FromRest,
+    progress: &mut dyn FnMut(&str),
+) -> Option<f64> {
+    let mut replicas = FromRest {
+        windows: REPLICAS as usize * from_rest.windows,
+        missed: 0,
+    };
+    for seed in 1..=REPLICAS {
+        if from_rest.chance(replicas) >= SIGNIFICANT {
+            break;
+        }
+        progress("what the model misses of replicas of the records");
+        replicas.missed += encounter.of_replica(seed)?.missed;
+    }
+    Some(from_rest.chance(replicas))
 }
 
 fn gain_over(left: &[Structure], coordinate: Coordinate) -> f64 {

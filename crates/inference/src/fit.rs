@@ -106,7 +106,14 @@ impl Fit {
     /// The fit settled on a replica of its records, and the windows of that: in pieces only where friction fluctuates there.
     #[must_use]
     pub fn settled(&self, problem: &Problem, replica: Vec<Run>, steps: usize) -> (Self, Data) {
-        let data = problem.windows_of(Arc::new(replica), Begin::Clear);
+        let (begun, data) = self.carried_to(problem.windows_of(Arc::new(replica), Begin::Clear));
+        let settled = begun.improved_alike(&data, steps);
+        (settled.with_lost_starts(&data), data)
+    }
+
+    /// The fit with its numbers as they are on other windows, and those windows: in pieces only where friction fluctuates there.
+    #[must_use]
+    pub fn carried_to(&self, data: Data) -> (Self, Data) {
         let data = if self.disturbance == Disturbance::NONE {
             data.undivided()
         } else {
@@ -118,8 +125,7 @@ impl Fit {
             data.anchors(),
             self.disturbance,
         );
-        let settled = begun.with_lost_starts(&data).improved_alike(&data, steps);
-        (settled.with_lost_starts(&data), data)
+        (begun.with_lost_starts(&data), data)
     }
 
     /// The fit with other starts for windows that are much worse than most, where those promise more.
@@ -222,6 +228,12 @@ impl Fit {
     #[must_use]
     pub fn reduced(&self, data: &Data) -> Vec<Option<Reduced>> {
         reduced(data, &self.starts, &self.grams, &self.disturbance)
+    }
+
+    /// How well `data` and priors tell the free numbers: the inverse of their covariance.
+    #[must_use]
+    pub fn curvature(&self, data: &Data) -> DMatrix<f64> {
+        self.normal_equations(&self.reduced(data)).0
     }
 
     fn normal_equations(&self, forms: &[Option<Reduced>]) -> (DMatrix<f64>, DVector<f64>) {

@@ -348,7 +348,7 @@ impl Hypothesis {
     }
 
     fn build<S: Scalar>(&self, x: &[S]) -> Result<Rig<S>, ParameterError> {
-        let mut rig: Rig<S> = self.rig.lift();
+        let mut rig: Rig<S> = self.rig.to_scalar();
         let mut at = 0;
         for free in &self.free {
             match free {

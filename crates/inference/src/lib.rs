@@ -21,6 +21,7 @@ pub mod load_error;
 pub mod loss;
 mod lost_starts;
 pub mod marginal;
+pub mod missed;
 pub mod numbers;
 pub mod policy;
 pub mod problem;

@@ -27,6 +27,8 @@ pub struct Problem {
     pub long: Data,
     /// The same records in short windows.
     pub short: Data,
+    /// Windows of records that nothing is fitted to, on which the answer is checked.
+    pub held_out: Option<Data>,
     /// The effects that may be missing, in a fixed order.
     pub effects: Vec<Effect>,
 }
@@ -100,8 +102,23 @@ impl Problem {
             instruments,
             long,
             short,
+            held_out: None,
             effects,
         })
+    }
+
+    /// The same problem, whose answer is checked on these records in SI units.
+    #[must_use]
+    pub fn checked_on(self, records: &[RawRecord]) -> Self {
+        let runs = records
+            .iter()
+            .map(|record| Run::new(record, &self.units, &self.rig, &self.instruments))
+            .collect();
+        let windows = self.windows_of(Arc::new(runs), Begin::Clear);
+        Self {
+            held_out: Some(windows),
+            ..self
+        }
     }
 
     /// Records of the same plant, in its units, in windows of usual length that start as `begin` wants it.

@@ -14,7 +14,7 @@ use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, RigState, index};
 
 /// Steps in which the fitted model settles on a replica.
-const STEPS: usize = 4;
+pub(crate) const STEPS: usize = 4;
 /// State components that the channels read.
 const READ: [usize; CHANNELS] = [
     index::THETA,

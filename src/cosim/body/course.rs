@@ -188,7 +188,7 @@ impl part::Course<INPUTS, STARTS> for Course {
     }
 
     fn partial(&self, unknown: Signal, known: Known, time: f64) -> Result<Option<f64>, ModelError> {
-        let mut body = self.run.system().lift::<Dual<1>>();
+        let mut body = self.run.system().to_scalar::<Dual<1>>();
         let held = self.run.inputs();
         let signals = InputSignals::new(held.time, held.polynomials);
         let mut inputs: [Dual<1>; INPUTS] =

@@ -147,7 +147,7 @@ impl exchange_component::Run<INPUTS, STARTS> for Run {
         unknowns: &[Signal],
         seeds: &Seeds<INPUTS, STARTS>,
     ) -> Result<Vec<f64>, ModelError> {
-        let mut law = self.law.lift::<Number>();
+        let mut law = self.law.to_scalar::<Number>();
         for (position, seed) in &seeds.parameters {
             let value = self.law.parameter_at(*position).unwrap_or(0.0);
             law.set_parameter_at(*position, number(value, *seed))

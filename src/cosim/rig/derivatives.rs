@@ -18,8 +18,8 @@ pub(super) fn partial_derivative(
     unknown: Signal,
     known: Known,
 ) -> Result<Option<f64>, ModelError> {
-    let mut rig = run.system().lift::<Dual<1>>();
-    let mut inputs = lift_inputs(&InputSignals::of(run.inputs()).rig_inputs(time));
+    let mut rig = run.system().to_scalar::<Dual<1>>();
+    let mut inputs = dual_inputs(&InputSignals::of(run.inputs()).rig_inputs(time));
     match known {
         Known::Input(place) => {
             let value = match place {
@@ -62,7 +62,7 @@ pub(super) fn indicator(run: &Run, time: f64, place: usize) -> Option<f64> {
     values.get(place).copied()
 }
 
-fn lift_inputs(inputs: &RigInputs<f64>) -> RigInputs<Dual<1>> {
+fn dual_inputs(inputs: &RigInputs<f64>) -> RigInputs<Dual<1>> {
     RigInputs {
         time: inputs.time,
         voltage: inputs.voltage.map(Dual::constant),

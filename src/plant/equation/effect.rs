@@ -191,7 +191,7 @@ impl<S: Scalar> EquationEffects<S> {
     }
 
     /// The same over another kind of number.
-    pub fn lift<T: Scalar>(&self) -> EquationEffects<T> {
+    pub fn to_scalar<T: Scalar>(&self) -> EquationEffects<T> {
         EquationEffects {
             effects: self.effects.map(|effect| {
                 effect.map(|effect| EquationEffect {

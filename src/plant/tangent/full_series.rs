@@ -1,7 +1,7 @@
 //! Derivatives of a segment whose series carries the fast modes.
 
-use super::debts::{ON_CIRCUIT, ON_DISC, ON_DISC_1, ON_MOTOR};
 use super::motion::{LOWEST_ORDER, Tangent};
+use super::parameter_forcing::{ON_CIRCUIT, ON_DISC, ON_DISC_1, ON_MOTOR};
 use super::pin::PinTangent;
 use crate::plant::index::{CURRENT, OMEGA, OMEGA1, OMEGA3, THETA, THETA1, THETA3};
 use crate::plant::slow_manifold::DiscMotion;
@@ -30,7 +30,7 @@ impl<S: Scalar> Rig<S> {
             mode,
             time.value(),
             &state.map(S::value),
-            &inputs.lift(),
+            &inputs.to_scalar(),
             order,
             &mut tangent.jet,
         );
@@ -52,7 +52,7 @@ impl<S: Scalar> Tangent<S> {
         let Self {
             jet: plain,
             pins,
-            owed,
+            forcing,
             accelerations,
             ..
         } = self;
@@ -74,7 +74,7 @@ impl<S: Scalar> Tangent<S> {
                 on_disc = S::combined([(stiffness_1, &twist), (damping_1, &rate)]);
                 let torques = S::combined([
                     (-parts.inverse_inertia_1, &on_disc),
-                    (1.0, &owed[ON_DISC_1][k]),
+                    (1.0, &forcing[ON_DISC_1][k]),
                 ]);
                 let acceleration =
                     pins[1].acceleration(k, torques, &x[THETA1], &x[OMEGA1], accelerations_1);
@@ -84,7 +84,7 @@ impl<S: Scalar> Tangent<S> {
             let torques = S::combined([
                 (-parts.inverse_inertia, &shaft),
                 (parts.inverse_inertia, &on_disc),
-                (1.0, &owed[ON_DISC][k]),
+                (1.0, &forcing[ON_DISC][k]),
             ]);
             let acceleration =
                 pins[0].acceleration(k, torques, &x[THETA], &x[OMEGA], accelerations);
@@ -97,7 +97,7 @@ impl<S: Scalar> Tangent<S> {
                         &x[CURRENT][k],
                     ),
                     (-on_motor * parts.motor_damping * per_next, &x[OMEGA3][k]),
-                    (per_next, &owed[ON_MOTOR][k]),
+                    (per_next, &forcing[ON_MOTOR][k]),
                 ])
             } else {
                 S::ZERO
@@ -105,7 +105,7 @@ impl<S: Scalar> Tangent<S> {
             x[CURRENT][k + 1] = S::combined([
                 (-on_circuit * parts.resistance * per_next, &x[CURRENT][k]),
                 (-on_circuit * parts.back_emf * per_next, &x[OMEGA3][k]),
-                (per_next, &owed[ON_CIRCUIT][k]),
+                (per_next, &forcing[ON_CIRCUIT][k]),
             ]);
             x[THETA][k + 1] = S::combined([(per_next, &x[OMEGA][k])]);
             x[THETA3][k + 1] = S::combined([(per_next, &x[OMEGA3][k])]);

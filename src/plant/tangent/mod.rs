@@ -5,15 +5,15 @@
 //!
 //! J dy_ω/dt = −(torques of shafts by y) − ∂T/∂ω y_ω − ∂T/∂a dy_ω/dt − ∂T/∂θ y_θ + r,
 //!
-//! where r collects what a parameter does while the state is held ([`debts`]) and the slopes of the
+//! where r collects what a parameter does while the state is held ([`parameter_forcing`]) and the slopes of the
 //! friction torque T are series known once for all derivatives ([`pin`]). So each derivative costs one
 //! product of series for each slope, where dual numbers carry every product of the motion twice.
 //!
 //! What a guard depends on is asked for at switches only (`guard_at` of [`Rig`](super::Rig)).
 
-mod debts;
 mod full_series;
 mod motion;
+mod parameter_forcing;
 mod pin;
 mod slow_series;
 

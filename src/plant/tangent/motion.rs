@@ -1,6 +1,8 @@
 //! The motion without derivatives, and the coefficients of the variational equations along it.
 
-use super::debts::{Along, Debts, KINDS, ON_CIRCUIT, ON_DISC, ON_DISC_1, ON_MOTOR, Owed, ROWS};
+use super::parameter_forcing::{
+    Along, Forcing, KINDS, ON_CIRCUIT, ON_DISC, ON_DISC_1, ON_MOTOR, ParameterForcings, ROWS,
+};
 use super::pin::{PinSegment, PinTangent};
 use crate::friction::ContactMode;
 use crate::integrator::{SETTLED_SHARE, step_from_last_terms};
@@ -30,10 +32,10 @@ pub(in crate::plant) struct Tangent<S> {
     pub rig: Rig<f64>,
     pub jet: RigJet<f64>,
     pub(super) pins: [PinTangent; 2],
-    pub(super) owed: Box<Owed<S>>,
+    pub(super) forcing: Box<Forcing<S>>,
     /// Derivatives of the accelerations of D2 and D1: laws that look at them need them.
     pub(super) accelerations: Box<[Series<S>; 2]>,
-    debts: Debts,
+    parameter_forcings: ParameterForcings,
     motion: Box<[Series<f64>; KINDS]>,
     /// Tolerance of the run as far as it is known: zero at first.
     tolerance: f64,
@@ -50,7 +52,7 @@ pub(in crate::plant) struct Tangent<S> {
 impl<S: Scalar> Tangent<S> {
     /// The plain counterpart of `rig`, whose effects must not act on the motion.
     pub fn new(rig: &Rig<S>, parts: &LinearParts<S>) -> Self {
-        let plain = rig.lift();
+        let plain = rig.to_scalar();
         let outer = rig.outer.as_ref().map_or(&rig.law, |outer| &outer.law);
         Self {
             jet: RigJet::new(&plain),
@@ -59,9 +61,9 @@ impl<S: Scalar> Tangent<S> {
                 PinTangent::new(&rig.law, rig.bearing_torque()),
                 PinTangent::new(outer, S::ZERO),
             ],
-            owed: Box::new([[S::ZERO; TERMS]; ROWS]),
+            forcing: Box::new([[S::ZERO; TERMS]; ROWS]),
             accelerations: Box::new([[S::ZERO; TERMS]; 2]),
-            debts: Debts::new(parts),
+            parameter_forcings: ParameterForcings::new(parts),
             motion: Box::new([[0.0; TERMS]; KINDS]),
             tolerance: 0.0,
             step: 0.0,
@@ -201,7 +203,7 @@ impl<S: Scalar> Tangent<S> {
             &[ON_DISC, ON_MOTOR, ON_CIRCUIT][..]
         };
         for &row in used {
-            self.owed[row][..=top].fill(S::ZERO);
+            self.forcing[row][..=top].fill(S::ZERO);
         }
         let x = &self.jet.states;
         let parts = &self.jet.parts;
@@ -215,10 +217,11 @@ impl<S: Scalar> Tangent<S> {
             plain: &self.jet.disc,
             load: &jet.disc,
         };
-        disc.follow(&segment, ON_DISC, top, &mut self.owed);
+        disc.follow(&segment, ON_DISC, top, &mut self.forcing);
         if disc.is_driven() {
-            self.debts.pay(ON_DISC, top, &self.motion, &mut self.owed);
-            self.owed[ON_DISC][0] += S::combined([(parts.inverse_inertia, &inputs.disc_torque)]);
+            self.parameter_forcings
+                .add_to(ON_DISC, top, &self.motion, &mut self.forcing);
+            self.forcing[ON_DISC][0] += S::combined([(parts.inverse_inertia, &inputs.disc_torque)]);
         }
         if let (Some(outer), Some(plain), Some(load)) =
             (&self.rig.outer, &self.jet.disc1, &jet.disc1)
@@ -232,21 +235,23 @@ impl<S: Scalar> Tangent<S> {
                 plain,
                 load,
             };
-            disc_1.follow(&segment, ON_DISC_1, top, &mut self.owed);
+            disc_1.follow(&segment, ON_DISC_1, top, &mut self.forcing);
             if disc_1.is_driven() {
-                self.debts.pay(ON_DISC_1, top, &self.motion, &mut self.owed);
+                self.parameter_forcings
+                    .add_to(ON_DISC_1, top, &self.motion, &mut self.forcing);
             }
         }
         if !mode.motor.is_stuck() {
-            self.debts.pay(ON_MOTOR, top, &self.motion, &mut self.owed);
-            self.owed[ON_MOTOR][0] +=
+            self.parameter_forcings
+                .add_to(ON_MOTOR, top, &self.motion, &mut self.forcing);
+            self.forcing[ON_MOTOR][0] +=
                 S::combined([(parts.inverse_motor_inertia, &inputs.motor_torque)]);
         }
-        self.debts
-            .pay(ON_CIRCUIT, top, &self.motion, &mut self.owed);
+        self.parameter_forcings
+            .add_to(ON_CIRCUIT, top, &self.motion, &mut self.forcing);
         for k in 0..INPUT_TERMS.min(top + 1) {
             if jet.voltage[k].varies() {
-                self.owed[ON_CIRCUIT][k] +=
+                self.forcing[ON_CIRCUIT][k] +=
                     S::combined([(parts.inverse_inductance, &jet.voltage[k])]);
             }
         }
@@ -262,7 +267,7 @@ impl<S: Scalar> Tangent<S> {
             (Along::Rate1, OMEGA1, OMEGA),
         ];
         for (along, a, b) in differences {
-            if self.debts.want(along) {
+            if self.parameter_forcings.uses(along) {
                 let series = &mut self.motion[along.position()];
                 for k in 0..=top {
                     series[k] = x[a][k] - x[b][k];
@@ -270,7 +275,7 @@ impl<S: Scalar> Tangent<S> {
             }
         }
         for (along, place) in [(Along::MotorSpeed, OMEGA3), (Along::Current, CURRENT)] {
-            if self.debts.want(along) {
+            if self.parameter_forcings.uses(along) {
                 self.motion[along.position()] = x[place];
             }
         }
@@ -281,7 +286,7 @@ impl<S: Scalar> Tangent<S> {
             (ON_CIRCUIT, CURRENT),
         ] {
             let along = Along::Rates(row);
-            if self.debts.want(along) {
+            if self.parameter_forcings.uses(along) {
                 let series = &mut self.motion[along.position()];
                 series[top] = 0.0;
                 for k in 0..known.min(top + 1) {

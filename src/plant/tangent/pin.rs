@@ -1,6 +1,6 @@
 //! What a pin contact does to the derivatives in the course of a segment.
 
-use super::debts::{Owed, add_series};
+use super::parameter_forcing::{Forcing, add_series};
 use crate::friction::{ContactMode, KnownSlip, Law, LevelSlopes, MOST_PARAMETERS, Regime};
 use crate::plant::jet::PinJet;
 use crate::plant::slow_manifold::DiscMotion;
@@ -72,13 +72,13 @@ impl PinTangent {
         }
     }
 
-    /// Finds the slopes and adds what the law's parameters and the load owe to `row`, up to order `top`.
+    /// Finds the slopes and adds what the law's parameters and the load do to `row`, up to order `top`.
     pub fn follow<S: Scalar>(
         &mut self,
         segment: &PinSegment<'_, S>,
         row: usize,
         top: usize,
-        owed: &mut Owed<S>,
+        forcing: &mut Forcing<S>,
     ) {
         (self.by_velocity, self.by_acceleration, self.by_angle) = (None, None, None);
         self.inverse_margin = 1.0;
@@ -94,11 +94,11 @@ impl PinTangent {
             ContactMode::Stuck => {
                 self.decay = segment.law.band().1;
                 for &(slot, derivative) in &self.decay_slots {
-                    add_series(slot, -derivative, segment.omega, row, top, owed);
+                    add_series(slot, -derivative, segment.omega, row, top, forcing);
                 }
             }
             ContactMode::Breaking(direction) => {
-                self.owe_constant(direction.sign() * segment.inverse_inertia, row, owed);
+                self.force_by_constant(direction.sign() * segment.inverse_inertia, row, forcing);
                 let scale = -direction.sign() * segment.inverse_inertia;
                 for &(slot, derivative) in &self.breakaway_slots {
                     add_series(
@@ -107,25 +107,25 @@ impl PinTangent {
                         &segment.plain.load,
                         row,
                         top,
-                        owed,
+                        forcing,
                     );
                 }
                 let level = segment.law.breakaway();
                 let mut constant = [0.0; TERMS];
                 constant[0] = level;
-                owe_load(segment, scale, &constant, row, top, owed);
+                force_by_load(segment, scale, &constant, row, top, forcing);
             }
             ContactMode::Slipping(direction, regime) => {
-                self.owe_constant(direction.sign() * segment.inverse_inertia, row, owed);
-                self.slide(segment, direction.sign(), regime, row, top, owed);
+                self.force_by_constant(direction.sign() * segment.inverse_inertia, row, forcing);
+                self.slide(segment, direction.sign(), regime, row, top, forcing);
             }
         }
     }
 
-    /// Adds what the torque beside the law owes to `row`.
-    fn owe_constant<S: Scalar>(&self, factor: f64, row: usize, owed: &mut Owed<S>) {
+    /// Adds what the torque beside the law does to `row`.
+    fn force_by_constant<S: Scalar>(&self, factor: f64, row: usize, forcing: &mut Forcing<S>) {
         for &(slot, derivative) in &self.constant_slots {
-            owed[row][0].add_to_slot(slot, -factor * derivative);
+            forcing[row][0].add_to_slot(slot, -factor * derivative);
         }
     }
 
@@ -136,7 +136,7 @@ impl PinTangent {
         regime: Regime,
         row: usize,
         top: usize,
-        owed: &mut Owed<S>,
+        forcing: &mut Forcing<S>,
     ) {
         let (pin, load) = (segment.plain, &segment.plain.load);
         let on_curve = pin.load_is_constant && segment.law.exponential_curve().is_some();
@@ -190,33 +190,33 @@ impl PinTangent {
                 product = pressed(&self.slopes.by_parameter[index], sign * scale);
                 last = Some(index);
             }
-            add_series(slot, derivative, &product, row, top, owed);
+            add_series(slot, derivative, &product, row, top, forcing);
         }
-        owe_load(segment, sign * scale, &level, row, top, owed);
+        force_by_load(segment, sign * scale, &level, row, top, forcing);
     }
 }
 
-/// Adds `scale` × `level` × what the load owes.
-fn owe_load<S: Scalar>(
+/// Adds `scale` × `level` × the derivatives of the load.
+fn force_by_load<S: Scalar>(
     segment: &PinSegment<'_, S>,
     scale: f64,
     level: &Series<f64>,
     row: usize,
     top: usize,
-    owed: &mut Owed<S>,
+    forcing: &mut Forcing<S>,
 ) {
     let load = &segment.load.load;
     if segment.load.load_is_constant {
         for slot in 0..S::SLOTS {
             let derivative = load[0].slot(slot);
             if derivative != 0.0 {
-                add_series(slot, scale * derivative, level, row, top, owed);
+                add_series(slot, scale * derivative, level, row, top, forcing);
             }
         }
     } else if load.iter().any(Scalar::varies) {
         for k in 0..=top {
             let product = S::filtered(&level[..=k], &load[..=k]);
-            owed[row][k] += S::combined([(scale, &product)]);
+            forcing[row][k] += S::combined([(scale, &product)]);
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Derivatives of a segment on the slow manifold.
 //!
 //! Chang's coordinates serve the derivatives as they serve the motion; being a mere choice of
-//! coordinates, they need no derivatives of their own. The friction and what parameters owe drive the
+//! coordinates, they need no derivatives of their own. The friction and what parameters add drive the
 //! transformed variables as they drive those of the motion.
 
-use super::debts::{ON_CIRCUIT, ON_DISC, ON_DISC_1, ON_MOTOR};
 use super::motion::Tangent;
+use super::parameter_forcing::{ON_CIRCUIT, ON_DISC, ON_DISC_1, ON_MOTOR};
 use super::pin::PinTangent;
 use crate::plant::RigState;
 use crate::plant::fading::Fading;
@@ -263,7 +263,7 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
         let Tangent {
             jet: plain,
             pins,
-            owed,
+            forcing: by_parameters,
             accelerations,
             ..
         } = tangent;
@@ -292,17 +292,17 @@ impl<S: Scalar, const N: usize> SlowTangent<S, N> {
             }
             let push = pins[0].push(
                 k,
-                &owed[ON_DISC][k],
+                &by_parameters[ON_DISC][k],
                 &by_shafts[0],
                 &jet.states[OMEGA],
                 accelerations,
             );
-            let (motor, circuit) = (&owed[ON_MOTOR][k], &owed[ON_CIRCUIT][k]);
+            let (motor, circuit) = (&by_parameters[ON_MOTOR][k], &by_parameters[ON_CIRCUIT][k]);
             let (next, forcing) = (&mut later[0], &mut self.forcing[k]);
             if Self::FULL {
                 let push_1 = pins[1].push(
                     k,
-                    &owed[ON_DISC_1][k],
+                    &by_parameters[ON_DISC_1][k],
                     &by_shafts[1],
                     &jet.states[OMEGA1],
                     accelerations_1,
@@ -469,12 +469,12 @@ impl PinTangent {
     fn push<S: Scalar>(
         &self,
         k: usize,
-        owed: &S,
+        forcing: &S,
         by_shafts: &S,
         omega: &Series<S>,
         accelerations: &mut Series<S>,
     ) -> S {
-        let mut push = *owed;
+        let mut push = *forcing;
         if self.motion != DiscMotion::Driven {
             return push;
         }

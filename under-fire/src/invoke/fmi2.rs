@@ -3,8 +3,8 @@
 use std::ptr;
 
 use super::{Array, defined, texts};
-use crate::battle::{Answer, Instance};
 use crate::call::{Action, Kind, SetUp};
+use crate::call_sequence::{Answer, Instance};
 use crate::library::Library;
 
 /// Carries out the action on the instance.

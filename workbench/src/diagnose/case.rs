@@ -314,12 +314,12 @@ pub struct Judging {
 }
 
 impl Case {
-    /// The problem that the records to learn from pose.
+    /// The problem that the records to learn from pose, whose answer is checked on the record to judge on.
     ///
     /// # Errors
     /// A number of the model leaves its range in the plant's units.
     pub fn problem(&self) -> Result<Problem, ParameterError> {
-        self.problem_of(&self.records)
+        Ok(self.problem_of(&self.records)?.checked_on(&self.held_out))
     }
 
     /// The record to judge on, cut into windows that start as `begin` wants it.

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::finding::{Finding, FoundEffect, Measures, NO_EFFECT, Ranked, VerdictName};
+use super::finding::{Finding, FoundEffect, NO_EFFECT, Ranked, VerdictName};
+use super::gap::Measures;
 
 /// Candidates that a screen shows.
 const CANDIDATES: usize = 5;

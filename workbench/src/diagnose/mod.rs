@@ -11,6 +11,7 @@ pub mod console;
 pub mod effect_page;
 pub mod experiment;
 pub mod finding;
+pub mod gap;
 mod input_check;
 pub mod learning;
 pub mod load_cell;

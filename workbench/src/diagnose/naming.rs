@@ -119,6 +119,8 @@ fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<
     finding.check = Some(CheckResult {
         p_value: found.check.p_value,
         misfit: finite(found.check.misfit).unwrap_or_default(),
+        windows_from_rest: found.check.from_rest.windows,
+        missed_from_rest: found.check.from_rest.missed,
         structure: finite(found.check.structure).unwrap_or_default(),
     });
     finding.notes.extend(fates(found));
@@ -154,16 +156,24 @@ fn fates(found: &Diagnosis) -> Vec<String> {
         return notes;
     };
     let name = readable(&joined(&best.effects));
-    if found.verdict == Verdict::NotInCatalogue && !best.effects.is_empty() {
+    if found.verdict == Verdict::NotInCatalogue {
         let place = found.structure_left.first().map_or(String::new(), |place| {
             format!(
                 "; most is structured over the {}",
                 readable(place.coordinate.name())
             )
         });
+        let first = if best.effects.is_empty() {
+            "no effect of the catalogue gains anything, and the model with its parameters refitted"
+                .to_owned()
+        } else {
+            format!(
+                "{name} came first, with a gain of {} in ln likelihood, but",
+                number(best.gain)
+            )
+        };
         notes.push(format!(
-            "{name} came first, with a gain of {} in ln likelihood, but does not explain the records: {}{place}",
-            number(best.gain),
+            "{first} does not explain the records: {}{place}",
             found.check.reasons.join("; ")
         ));
     }

@@ -19,7 +19,7 @@ use stickslip::plant::{ModelFile, Rig, RigState};
 use thiserror::Error;
 
 use super::case::{Case, Judging};
-use super::finding::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
+use super::gap::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
 use super::restart::{Starts, WindowCourse, best_starts, course, window_courses};
 use crate::analysis::measures::{
     amplitude_pulse_level, pearson_correlation, root_mean_square_error,

@@ -129,19 +129,19 @@ impl<'a> Run<'a> {
         start: &RigState<f64>,
         (drive, schedule): (&'a Drive, &'a Schedule),
     ) -> Result<Self, DerivativeError> {
-        let mut lifted = rig.lift::<Dual<BATCH>>();
+        let mut dual_rig = rig.to_scalar::<Dual<BATCH>>();
         for (slot, name) in names.iter().enumerate() {
             let value = rig.parameter(name).ok_or_else(|| unknown(rig, name))?;
-            lifted.set_parameter(name, Dual::variable(value, slot))?;
+            dual_rig.set_parameter(name, Dual::variable(value, slot))?;
         }
         let state = start.map(|value| Dual {
             value,
             derivative: [0.0; BATCH],
         });
-        let inputs = drive.rig_inputs(component, 0).lift();
+        let inputs = drive.rig_inputs(component, 0).to_scalar();
         Ok(Self {
             simulation: Simulation::new(
-                lifted,
+                dual_rig,
                 Options::default(),
                 schedule.time(0),
                 state,
@@ -165,7 +165,7 @@ impl<'a> Run<'a> {
         {
             self.sample += 1;
             let change = self.drive.time(self.sample).min(target);
-            let inputs = self.drive.rig_inputs(component, self.sample).lift();
+            let inputs = self.drive.rig_inputs(component, self.sample).to_scalar();
             if *self.simulation.inputs() != inputs {
                 self.simulation.set_inputs(change, inputs)?;
             }

@@ -24,7 +24,7 @@ impl Sensitivities {
     /// # Errors
     /// A parameter that is out of range.
     pub(super) fn new(rig: &Rig<f64>, seeds: &Seeds<CHANNELS, STATES>) -> Result<Self, ModelError> {
-        let mut dual = rig.lift::<Number>();
+        let mut dual = rig.to_scalar::<Number>();
         for (position, seed) in &seeds.parameters {
             let value = rig.parameter_at(*position).unwrap_or(0.0);
             dual.set_parameter_at(*position, number(value, *seed))

@@ -9,7 +9,8 @@ use super::{Report, figures};
 use crate::diagnose::amend::fmu_files;
 use crate::diagnose::catalogue::{Entry, entry};
 use crate::diagnose::console::{answer, number, percent, readable, shown_unit};
-use crate::diagnose::finding::{Finding, Located, Measures, ParameterValue, VerdictName};
+use crate::diagnose::finding::{Finding, Located, ParameterValue, VerdictName};
+use crate::diagnose::gap::Measures;
 use crate::diagnose::show::LEAST_FLUCTUATION;
 use stickslip::plant::{Rig, RigKind};
 

@@ -7,6 +7,8 @@ use inference::random::Random;
 
 /// Steps of a refit that leaves a fold out; it starts from the fit to everything.
 const REFIT_STEPS: usize = 3;
+/// Gain in ln likelihood up to which two fits are the same but for the steps in which they converged.
+const SAME: f64 = 0.01;
 /// Resamplings of the pieces.
 const RESAMPLINGS: usize = 4000;
 
@@ -41,6 +43,13 @@ pub struct Gain {
 }
 
 impl Gain {
+    /// Whether there is surely a gain. Two effects that do the same in these records, such as two that differ only where the motion
+    /// reverses, have neither a gain nor a scatter between them.
+    #[must_use]
+    pub fn is_certain(&self) -> bool {
+        self.interval95[0] >= SAME
+    }
+
     /// Gain over its standard deviation; 0 where it has none.
     #[must_use]
     pub fn significance(&self) -> f64 {
@@ -113,4 +122,19 @@ pub fn unit(residuals: &[Vec<f64>]) -> f64 {
         together += 2.0 * correlation;
     }
     variance * together
+}
+
+#[cfg(test)]
+mod tests {
+    use super::gain;
+
+    #[test]
+    fn effects_that_do_the_same_are_no_certain_gain_over_each_other() {
+        let errors = [4.0, 5.0, 6.0, 0.0];
+        let nearly = errors.map(|error| error * (1.0 - 1e-9));
+        let half = errors.map(|error| 0.5 * error);
+        assert!(!gain(&errors, &errors, 1.0, 1).is_certain());
+        assert!(!gain(&errors, &nearly, 1.0, 1).is_certain());
+        assert!(gain(&errors, &half, 1.0, 1).is_certain());
+    }
 }

@@ -278,7 +278,7 @@ fn keep_true_rivals(
             };
             let other = fit_with(problem, &rest, entry, scales);
             let shortfall = gain(&left_out_errors(problem, &other, scales), &errors, unit, 1);
-            shortfall.value < LEAST_GAIN && shortfall.interval95[0] <= 0.0
+            shortfall.value < LEAST_GAIN && !shortfall.is_certain()
         });
     }
 }
@@ -358,8 +358,7 @@ impl Round<'_> {
             .filter(|t| t.entries != best.entries && t.gain.value > RIVAL * best.gain.value)
             // More numbers that gain nothing are the best itself in disguise.
             .filter(|t| t.numbers() <= best.numbers() || t.gain.value > best.gain.value + 1.0)
-            // Where the motion never reverses, two effects can be the same: then nothing at all is between them.
-            .filter(|t| gain(&t.errors, &best.errors, self.unit, 1).interval95[0] <= 0.0)
+            .filter(|t| !gain(&t.errors, &best.errors, self.unit, 1).is_certain())
             .flat_map(|t| t.entries.iter().map(|entry| entry.name))
             .collect()
     }

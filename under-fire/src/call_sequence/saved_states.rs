@@ -4,12 +4,12 @@ use std::ptr;
 
 use stickslip::ffi::Status;
 
-use super::{Answer, Battle, Instance, LiveState};
+use super::{Answer, CallSequence, Instance, LiveState};
 use crate::call::{Action, StateAim};
 use crate::library::Handle;
 use crate::saved_states::Functions;
 
-impl Battle<'_> {
+impl CallSequence<'_> {
     fn state_handle(&self, aim: StateAim) -> Handle {
         match aim {
             StateAim::Place(place) => self.places[place],

@@ -10,7 +10,7 @@ use anyhow::Result;
 use stickslip::ffi::Status;
 use stickslip::ffi::fmi2::CallbackFunctions;
 
-use crate::call::{Action, Aim, Birth, Call, SLOTS, STATE_PLACES, View};
+use crate::call::{Action, Aim, Call, Instantiation, SLOTS, STATE_PLACES, View};
 use crate::component::Component;
 use crate::expectation::{Expectation, Saved};
 use crate::library::{Handle, Library};
@@ -50,7 +50,7 @@ impl Answer {
 }
 
 /// All instances and saved states of one sequence of calls.
-pub struct Battle<'a> {
+pub struct CallSequence<'a> {
     library: &'a Library,
     components: &'a [Component; 2],
     main: Version,
@@ -67,7 +67,7 @@ pub struct Battle<'a> {
     pub refused: u64,
 }
 
-impl<'a> Battle<'a> {
+impl<'a> CallSequence<'a> {
     /// An empty field; most instances will be of the version `main`.
     #[must_use]
     pub fn new(library: &'a Library, components: &'a [Component; 2], main: Version) -> Self {
@@ -200,7 +200,7 @@ impl<'a> Battle<'a> {
     fn instantiate(&mut self, call: &Call) -> Result<(), String> {
         let Action::Instantiate {
             component,
-            birth,
+            instantiation,
             event_mode,
             early_return,
             logging,
@@ -216,35 +216,35 @@ impl<'a> Battle<'a> {
         let version = self.version(call.slot);
         let mut inbox = Box::<Inbox>::default();
         let here = &self.components[component];
-        let token = if birth == Birth::ForeignToken {
+        let token = if instantiation == Instantiation::ForeignToken {
             self.components[1 - component].token.clone()
         } else {
             here.token.clone()
         };
-        let location = match birth {
-            Birth::Scheme => CString::new("http://example.com/resources"),
-            Birth::Relative => CString::new("resources"),
-            Birth::Nowhere => CString::new("/nowhere/at all/resources"),
+        let location = match instantiation {
+            Instantiation::Scheme => CString::new("http://example.com/resources"),
+            Instantiation::Relative => CString::new("resources"),
+            Instantiation::Nowhere => CString::new("/nowhere/at all/resources"),
             _ if version == Version::Two => here.uri().map_or_else(|_| CString::new(""), Ok),
             _ => here.native_path().map_or_else(|_| CString::new(""), Ok),
         }
         .unwrap_or_default();
-        let name = if birth == Birth::BlankName {
+        let name = if instantiation == Instantiation::BlankName {
             c" \t"
         } else {
             c"rig %s #1#"
         };
-        let or_null = |text: &std::ffi::CStr, missing: Birth| {
-            if birth == missing {
+        let or_null = |text: &std::ffi::CStr, missing: Instantiation| {
+            if instantiation == missing {
                 ptr::null()
             } else {
                 text.as_ptr()
             }
         };
         let texts = [
-            or_null(name, Birth::NoName),
-            or_null(&token, Birth::NoToken),
-            or_null(&location, Birth::NoResources),
+            or_null(name, Instantiation::NoName),
+            or_null(&token, Instantiation::NoToken),
+            or_null(&location, Instantiation::NoResources),
         ];
         let handle = match version {
             Version::Two => {
@@ -255,7 +255,7 @@ impl<'a> Battle<'a> {
                     step_finished: None,
                     component_environment: inbox.environment(),
                 };
-                let functions = if birth == Birth::Interface {
+                let functions = if instantiation == Instantiation::Interface {
                     ptr::null()
                 } else {
                     &raw const functions
@@ -284,7 +284,7 @@ impl<'a> Battle<'a> {
                     event_mode.into(),
                     early_return.into(),
                     &0,
-                    usize::from(birth == Birth::Interface),
+                    usize::from(instantiation == Instantiation::Interface),
                     inbox.environment(),
                     logger.then(logger_3),
                     ptr::null(),
@@ -292,18 +292,18 @@ impl<'a> Battle<'a> {
             },
         };
         let messages = inbox.take();
-        let silent = birth == Birth::Sound
+        let silent = instantiation == Instantiation::Sound
             || !logger
-            || birth == Birth::Interface && version == Version::Two;
+            || instantiation == Instantiation::Interface && version == Version::Two;
         if messages.len() != usize::from(!silent) {
             return Err(format!(
-                "{} messages from an instantiation with {birth:?}: {messages:?}",
+                "{} messages from an instantiation with {instantiation:?}: {messages:?}",
                 messages.len()
             ));
         }
-        if handle.is_null() != (birth != Birth::Sound) {
+        if handle.is_null() != (instantiation != Instantiation::Sound) {
             return Err(format!(
-                "an instantiation with {birth:?} gave {handle:p}: {messages:?}"
+                "an instantiation with {instantiation:?} gave {handle:p}: {messages:?}"
             ));
         }
         if handle.is_null() {

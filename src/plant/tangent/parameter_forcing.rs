@@ -10,8 +10,8 @@ pub(super) const ON_MOTOR: usize = 2;
 pub(super) const ON_CIRCUIT: usize = 3;
 pub(super) const ROWS: usize = 4;
 
-/// What the parameters owe to each row; derivatives only.
-pub(super) type Owed<S> = [Series<S>; ROWS];
+/// What all parameters add to each row; derivatives only.
+pub(super) type Forcing<S> = [Series<S>; ROWS];
 
 /// Series of the motion with which parameters enter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,45 +51,45 @@ impl Along {
 
 /// One parameter's effect on one row: `factor` × a series of the motion, in one slot.
 #[derive(Clone, Copy, Debug)]
-struct Debt {
+struct ParameterForcing {
     along: Along,
     slot: usize,
     factor: f64,
 }
 
-/// What the numbers of the linear part owe to each row; the same in all segments.
+/// What the numbers of the linear part add to each row; the same in all segments.
 #[derive(Clone, Debug)]
-pub(super) struct Debts {
-    rows: [Vec<Debt>; ROWS],
+pub(super) struct ParameterForcings {
+    rows: [Vec<ParameterForcing>; ROWS],
 }
 
-impl Debts {
+impl ParameterForcings {
     pub fn new<S: Scalar>(parts: &LinearParts<S>) -> Self {
-        let mut debts = Self {
+        let mut parameter_forcings = Self {
             rows: Default::default(),
         };
         let per = |inverse: S| inverse.value();
         let (disc, disc_1) = (per(parts.inverse_inertia), per(parts.inverse_inertia_1));
         let motor = per(parts.inverse_motor_inertia);
         let circuit = per(parts.inverse_inductance);
-        debts.add(ON_DISC, Along::Twist, &parts.stiffness, -disc);
-        debts.add(ON_DISC, Along::Rate, &parts.damping, -disc);
-        debts.add(ON_DISC, Along::Twist1, &parts.stiffness_1, disc);
-        debts.add(ON_DISC, Along::Rate1, &parts.damping_1, disc);
-        debts.add(ON_DISC_1, Along::Twist1, &parts.stiffness_1, -disc_1);
-        debts.add(ON_DISC_1, Along::Rate1, &parts.damping_1, -disc_1);
-        debts.add(ON_MOTOR, Along::Twist, &parts.stiffness, motor);
-        debts.add(ON_MOTOR, Along::Rate, &parts.damping, motor);
-        debts.add(ON_MOTOR, Along::Current, &parts.current_to_torque, motor);
-        debts.add(ON_MOTOR, Along::MotorSpeed, &parts.motor_damping, -motor);
-        debts.add(
+        parameter_forcings.add(ON_DISC, Along::Twist, &parts.stiffness, -disc);
+        parameter_forcings.add(ON_DISC, Along::Rate, &parts.damping, -disc);
+        parameter_forcings.add(ON_DISC, Along::Twist1, &parts.stiffness_1, disc);
+        parameter_forcings.add(ON_DISC, Along::Rate1, &parts.damping_1, disc);
+        parameter_forcings.add(ON_DISC_1, Along::Twist1, &parts.stiffness_1, -disc_1);
+        parameter_forcings.add(ON_DISC_1, Along::Rate1, &parts.damping_1, -disc_1);
+        parameter_forcings.add(ON_MOTOR, Along::Twist, &parts.stiffness, motor);
+        parameter_forcings.add(ON_MOTOR, Along::Rate, &parts.damping, motor);
+        parameter_forcings.add(ON_MOTOR, Along::Current, &parts.current_to_torque, motor);
+        parameter_forcings.add(ON_MOTOR, Along::MotorSpeed, &parts.motor_damping, -motor);
+        parameter_forcings.add(
             ON_MOTOR,
             Along::MotorDirection,
             &parts.motor_coulomb,
             -motor,
         );
-        debts.add(ON_CIRCUIT, Along::Current, &parts.resistance, -circuit);
-        debts.add(ON_CIRCUIT, Along::MotorSpeed, &parts.back_emf, -circuit);
+        parameter_forcings.add(ON_CIRCUIT, Along::Current, &parts.resistance, -circuit);
+        parameter_forcings.add(ON_CIRCUIT, Along::MotorSpeed, &parts.back_emf, -circuit);
         // All of an acceleration is inversely proportional to the inertia.
         for (row, inverse) in [
             (ON_DISC, &parts.inverse_inertia),
@@ -98,17 +98,17 @@ impl Debts {
             (ON_CIRCUIT, &parts.inverse_inductance),
         ] {
             if inverse.value() != 0.0 {
-                debts.add(row, Along::Rates(row), inverse, 1.0 / inverse.value());
+                parameter_forcings.add(row, Along::Rates(row), inverse, 1.0 / inverse.value());
             }
         }
-        debts
+        parameter_forcings
     }
 
     fn add<S: Scalar>(&mut self, row: usize, along: Along, number: &S, factor: f64) {
         for slot in 0..S::SLOTS {
             let derivative = number.slot(slot);
             if derivative != 0.0 {
-                self.rows[row].push(Debt {
+                self.rows[row].push(ParameterForcing {
                     along,
                     slot,
                     factor: factor * derivative,
@@ -118,21 +118,24 @@ impl Debts {
     }
 
     /// Whether any series of this kind is wanted for `row`.
-    pub fn want(&self, along: Along) -> bool {
-        self.rows.iter().flatten().any(|debt| debt.along == along)
+    pub fn uses(&self, along: Along) -> bool {
+        self.rows
+            .iter()
+            .flatten()
+            .any(|forcing| forcing.along == along)
     }
 
-    /// Adds what is owed to `row` up to order `top`.
-    pub fn pay<S: Scalar>(
+    /// Adds them to `row` up to order `top`.
+    pub fn add_to<S: Scalar>(
         &self,
         row: usize,
         top: usize,
         motion: &[Series<f64>; KINDS],
-        owed: &mut Owed<S>,
+        forcing: &mut Forcing<S>,
     ) {
-        for debt in &self.rows[row] {
-            let series = &motion[debt.along.position()];
-            add_series(debt.slot, debt.factor, series, row, top, owed);
+        for own in &self.rows[row] {
+            let series = &motion[own.along.position()];
+            add_series(own.slot, own.factor, series, row, top, forcing);
         }
     }
 }
@@ -145,9 +148,9 @@ pub(super) fn add_series<S: Scalar>(
     series: &Series<f64>,
     row: usize,
     top: usize,
-    owed: &mut Owed<S>,
+    forcing: &mut Forcing<S>,
 ) {
-    for (owed, c) in owed[row][..=top].iter_mut().zip(series) {
-        owed.add_to_slot(slot, factor * c);
+    for (term, c) in forcing[row][..=top].iter_mut().zip(series) {
+        term.add_to_slot(slot, factor * c);
     }
 }
