@@ -316,6 +316,7 @@ fn read_variable(node: Node<'_, '_>, typed: Node<'_, '_>, kind: Kind) -> Result<
             None => kind != Kind::Real,
             Some(variability) => variability != "continuous",
         },
+        is_tunable: node.attribute("variability") == Some("tunable"),
         unit: typed.attribute("unit").unwrap_or_default().to_owned(),
         start: number("start")?,
         minimum: number("min")?,

@@ -147,6 +147,7 @@ fn translate(row: &cosim::Variable) -> Variable {
             VariableType::Boolean => Kind::Boolean,
         },
         held: row.variability != Variability::Continuous,
+        is_tunable: row.variability == Variability::Tunable,
         unit: row.unit.clone().unwrap_or_default(),
         start: row.start,
         minimum: row.minimum,

@@ -41,6 +41,8 @@ pub struct Variable {
     pub kind: Kind,
     /// Whether it changes at events only, and holds its value between them.
     pub held: bool,
+    /// Whether it is a parameter that may change between steps.
+    pub is_tunable: bool,
     /// Its unit, empty where it has none.
     pub unit: String,
     /// Start value in its unit.

@@ -313,6 +313,7 @@ mod tests {
                 role,
                 kind: Kind::Real,
                 held,
+                is_tunable: false,
                 unit: String::new(),
                 start: None,
                 minimum: None,

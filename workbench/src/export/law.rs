@@ -145,7 +145,7 @@ fn level(term: &Term, weight: f64) -> Option<f64> {
 fn operations(entry: &Entry) -> Option<&'static [Operation]> {
     match entry.formula {
         Formula::Equation { operations, .. } => Some(operations),
-        Formula::Code { .. } => None,
+        _ => None,
     }
 }
 

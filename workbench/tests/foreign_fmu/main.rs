@@ -14,7 +14,7 @@ use workbench::diagnose::finding::VerdictName;
 use workbench::diagnose::small_plant::finding::SmallFinding;
 
 use crate::common::{library, stickslip};
-use crate::plant::{Hidden, PORTS, record, write_fmu};
+use crate::plant::{Hidden, PORTS, record, write_fmu, write_fmu_without_torque_input};
 
 struct Place {
     directory: tempfile::TempDir,
@@ -168,6 +168,52 @@ fn a_ripple_that_no_effect_is_like_gets_no_name() {
     let found = Place::new(0.0, |angle, _| 0.08 * (9.0 * angle).sin(), 0).diagnosed();
     assert_eq!(found.finding.verdict, VerdictName::NotInCatalogue);
     assert!(names(&found).is_empty(), "{:?}", names(&found));
+}
+
+#[test]
+fn a_parameter_that_may_change_between_steps_is_a_port_and_a_fixed_one_is_not() {
+    let place = Place::new(0.0, |_, w| 0.002 * w * w.abs(), 0);
+    let fmu = place.file("axis.fmu");
+    write_fmu_without_torque_input(&fmu, "fixed");
+    let (code, text) = place.run("locate");
+    assert_eq!(code, 2, "{text}");
+    assert!(
+        text.contains("[port] names `torque`")
+            && text.contains("no such input or tunable parameter"),
+        "{text}"
+    );
+    write_fmu_without_torque_input(&fmu, "tunable");
+    assert_eq!(names(&place.diagnosed()), ["quadratic_drag"]);
+    let wrapped = place.file("out").join("axis.amended.fmu");
+    let free = turned(&wrapped, &[("effects.quadratic_drag.coefficient", 0.0)]);
+    let braked = turned(&wrapped, &[]);
+    assert!(
+        0.5 * free < braked && braked < 0.99 * free,
+        "{braked} {free}"
+    );
+    let (code, written) = stickslip(&["ports", fmu.to_str().unwrap()]);
+    assert!(
+        code == 0 && written.contains("input = \"torque\""),
+        "{written}"
+    );
+}
+
+#[test]
+fn effects_are_not_named_at_several_ports() {
+    let place = Place::new(0.0, |_, _| 0.0, 0);
+    let further = "[[port]]\nname = \"motor\"\ninput = \"torque\"\nposition = \"phi\"\n\
+                   measured_position = { column = \"angle\", unit = \"deg\" }\n\n[inputs]";
+    let ports = PORTS.replace("[port]", "[[port]]\nname = \"axis\"");
+    fs::write(place.file("ports.toml"), ports.replace("[inputs]", further)).unwrap();
+    for stage in ["diagnose", "name"] {
+        let (code, text) = place.run(stage);
+        assert_eq!(code, 2, "{text}");
+        assert!(
+            text.contains("2 ports (axis, motor)") && text.contains("stickslip locate"),
+            "{text}"
+        );
+        assert!(!place.file("out").join("finding.json").exists(), "{text}");
+    }
 }
 
 #[test]

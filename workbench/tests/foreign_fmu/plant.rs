@@ -70,6 +70,15 @@ fn library() -> &'static [u8] {
 
 /// Writes the FMU, with other start values of some parameters.
 pub fn write_fmu(path: &Path, starts: &[(&str, f64)]) {
+    write(path, starts, "input");
+}
+
+/// Writes the FMU with a parameter in place of the input for a torque, of this variability.
+pub fn write_fmu_without_torque_input(path: &Path, variability: &str) {
+    write(path, &[], variability);
+}
+
+fn write(path: &Path, starts: &[(&str, f64)], torque: &str) {
     let mut variables = String::new();
     for (reference, (name, causality, unit, start)) in VARIABLES.iter().enumerate() {
         let own = starts.iter().find(|(own, _)| own == name);
@@ -78,6 +87,10 @@ pub fn write_fmu(path: &Path, starts: &[(&str, f64)]) {
             "output" => " initial=\"exact\"",
             "parameter" => " variability=\"fixed\"",
             _ => "",
+        };
+        let (causality, further) = match *name {
+            "torque" if torque != "input" => ("parameter", format!(" variability=\"{torque}\"")),
+            _ => (*causality, further.to_owned()),
         };
         let _ = writeln!(
             variables,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::case::{SmallCase, check_effect};
+use super::case::SmallCase;
 use super::evidence::{gain, left_out_errors, unit};
 use super::finding::{Course, SmallFinding};
 use super::least_squares::Fit;
@@ -42,8 +42,9 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
 #[must_use]
 pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> SmallFinding {
     let balance = balance(case);
-    let before = structures(&balance, &base.model, &case.scales);
-    let after = structures(&balance, &last.model, &case.scales);
+    let ports = case.model.port_names();
+    let before = structures(&balance, &base.model, &case.scales, &ports);
+    let after = structures(&balance, &last.model, &case.scales, &ports);
     let share_left = after
         .iter()
         .filter(|left| left.located.significant)
@@ -52,6 +53,12 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> Sma
     let explained = left_out_errors(&balance, last, &case.scales);
     let unit = unit(&balance.residuals(&last.model));
     let is_outdone = before.iter().any(|free| {
+        let there = balance.pieces_at(free.port).into_iter().chain([true]);
+        let explained: Vec<f64> = explained
+            .iter()
+            .zip(there)
+            .filter_map(|(error, own)| own.then_some(*error))
+            .collect();
         let more = gain(&explained, &free.errors, unit, before.len());
         more.value > LEAST_GAIN && more.sure > 0.0
     });
@@ -205,7 +212,7 @@ pub fn amended_text(case: &SmallCase, found: &SmallFinding) -> Result<String, St
             .join(", ")
     );
     for effect in &found.finding.effects {
-        let entry = check_effect(&effect.name, &case.supposed)?;
+        let entry = case.effect(&effect.name)?;
         let values: Result<Vec<f64>, String> = entry
             .parameters
             .iter()
@@ -222,10 +229,13 @@ pub fn amended_text(case: &SmallCase, found: &SmallFinding) -> Result<String, St
         amended.model = amended.model.with(entry, values?);
     }
     if let (Some(ports), Some(chased)) = (&mut amended.ports, &case.chased) {
-        let known = case.records.iter().find_map(|own| own.pursuit.as_ref());
-        ports.port.inertia = known.map(|known| known.sense * known.inertia);
-        // A step that a person chose stays.
-        ports.port.coupling_step.get_or_insert(chased.step());
+        for (at, port) in ports.ports.iter_mut().enumerate() {
+            let mut there = case.records.iter().filter(|own| own.port == at);
+            let known = there.find_map(|own| own.pursuit.as_ref());
+            port.inertia = known.map(|known| known.sense * known.inertia);
+            // A step that a person chose stays.
+            port.coupling_step.get_or_insert(chased.step());
+        }
     }
     let terms = amended.model.terms().to_vec();
     for (at, term) in terms.iter().enumerate() {

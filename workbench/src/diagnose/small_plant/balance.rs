@@ -5,8 +5,8 @@ use super::model::Model;
 use super::model_file::Measurement;
 use super::motion::{Motion, Scales};
 use super::problem::Problem;
-use super::term::{MOST_PARAMETERS, Sample};
-use stickslip::body::Dimension;
+use super::term::Sample;
+use stickslip::body::{Dimension, Kind};
 
 /// Order of the low-pass that both forces go through.
 const ORDER: usize = 8;
@@ -27,6 +27,8 @@ pub struct Balance {
     nominal: Vec<f64>,
     /// Residual that weighs as much as one standard deviation of such a parameter.
     known: f64,
+    /// What a residual at each port of an FMU counts; 1 where none is given.
+    weights: Vec<f64>,
 }
 
 #[derive(Debug, Clone)]
@@ -41,6 +43,8 @@ struct Prepared {
     measured: Vec<f64>,
     /// Every moment as it was read: what most models are asked about.
     read: Vec<Sample>,
+    /// By how much an FMU's missing force falls as each uncertain parameter grows, filtered and thinned.
+    slopes: Vec<Vec<f64>>,
 }
 
 /// One compared moment: what was measured, what the model says, and when and where that was.
@@ -64,8 +68,9 @@ impl Balance {
                 let stride = (1.0 / (measurement.compare_rate * motion.interval))
                     .round()
                     .max(1.0) as usize;
-                let filter = measurement
-                    .compare_low_pass
+                let filter = motion
+                    .cut_off
+                    .or(measurement.compare_low_pass)
                     .map(|cut_off| LowPass::new(cut_off, ORDER, motion.interval));
                 let mut prepared = Prepared {
                     motion: motion.clone(),
@@ -75,12 +80,15 @@ impl Balance {
                     kept: Vec::new(),
                     measured: Vec::new(),
                     read: Vec::new(),
+                    slopes: Vec::new(),
                 };
                 prepared.kept = prepared.moving();
                 prepared.read = (0..motion.len())
                     .map(|at| prepared.sample(at, 0.0))
                     .collect();
                 prepared.measured = prepared.thinned(&motion.force);
+                let slopes = motion.pursuit.iter().flat_map(|own| &own.slopes);
+                prepared.slopes = slopes.map(|series| prepared.thinned(series)).collect();
                 prepared
             })
             .collect();
@@ -95,13 +103,62 @@ impl Balance {
         let seconds: f64 = prepared.iter().map(|p| p.motion.seconds()).sum();
         let count = ((seconds / (FOLD * scales.period)).round() as usize).clamp(3, MOST_FOLDS);
         let total: usize = pieces.iter().sum();
+        let folds = if prepared.iter().all(|p| p.motion.port == 0) {
+            (0..total).map(|at| at * count / total.max(1)).collect()
+        } else {
+            folds_by_time(&prepared, &pieces, count)
+        };
         Self {
-            folds: (0..total).map(|at| at * count / total.max(1)).collect(),
+            folds,
             records: prepared,
             piece,
             nominal: Vec::new(),
             known: 0.0,
+            weights: Vec::new(),
         }
+    }
+
+    /// The same where a residual at each port of an FMU counts so much.
+    #[must_use]
+    pub fn weighing(mut self, weights: &[f64]) -> Self {
+        self.weights = weights.to_vec();
+        self
+    }
+
+    /// What is at one port of an FMU.
+    #[must_use]
+    pub fn at_port(&self, port: usize) -> Self {
+        let is_there = self.pieces_at(port);
+        let folds = self.folds.iter().zip(is_there);
+        Self {
+            folds: folds
+                .filter(|(_, own)| *own)
+                .map(|(fold, _)| *fold)
+                .collect(),
+            records: self
+                .records
+                .iter()
+                .filter(|own| own.motion.port == port)
+                .cloned()
+                .collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Of each piece, whether it is at this port.
+    #[must_use]
+    pub fn pieces_at(&self, port: usize) -> Vec<bool> {
+        self.records
+            .iter()
+            .flat_map(|own| {
+                let pieces = own.measured.len().div_ceil(self.piece);
+                vec![own.motion.port == port; pieces]
+            })
+            .collect()
+    }
+
+    fn weight(&self, record: &Prepared) -> f64 {
+        self.weights.get(record.motion.port).copied().unwrap_or(1.0)
     }
 
     /// The same where the base's numbers are known from `model`, to the deviations that its parameters state; `known` is the residual
@@ -120,7 +177,7 @@ impl Balance {
         let mut all = Vec::new();
         for record in &self.records {
             let forces = record.model_force(model);
-            let lightness = record.lightness(model);
+            let lightness = record.lightness(model) * self.weight(record);
             for (at, (measured, force)) in record.measured.iter().zip(forces).enumerate() {
                 all.push(Compared {
                     sample: record.sample(record.edge + record.kept[at] * record.stride, 0.0),
@@ -145,6 +202,16 @@ impl Balance {
 impl Prepared {
     /// A series after the low-pass, at the moments that are compared.
     fn thinned(&self, series: &[f64]) -> Vec<f64> {
+        let known;
+        let mut series = series;
+        if self.motion.pursuit.is_some() {
+            // The filter would spread what the FMU's own friction takes at rest, which nobody knows, over the moments beside.
+            let pairs = series.iter().zip(&self.motion.tells);
+            known = pairs
+                .map(|(value, tells)| if *tells { *value } else { 0.0 })
+                .collect::<Vec<f64>>();
+            series = &known;
+        }
         let filtered = self.filter.as_ref().map(|filter| filter.apply(series));
         let series = filtered.as_deref().unwrap_or(series);
         let at = |kept: &usize| series[self.edge + kept * self.stride];
@@ -190,10 +257,28 @@ impl Prepared {
             predicted: between(&motion.predicted),
             voltage: motion.voltage[at],
             connected: motion.connected[at],
-            slopes: self.slopes(at),
-            nominal: motion.pursuit.as_ref().map_or(0.0, |own| own.nominal[at]),
-            ..Sample::default()
+            port: motion.port,
+            ..self.of_pursuit(at)
         }
+    }
+
+    /// What a moment has of an FMU's.
+    fn of_pursuit(&self, at: usize) -> Sample {
+        let mut sample = Sample::default();
+        let Some(pursuit) = &self.motion.pursuit else {
+            return sample;
+        };
+        let all = pursuit.slopes.iter().zip(&pursuit.at);
+        let places = sample.slopes.iter_mut().zip(&mut sample.drifts);
+        for ((slope, drift), (series, value)) in places.zip(all) {
+            *slope = series[at];
+            *drift = series[at] * value;
+        }
+        for (offset, series) in sample.offsets.iter_mut().zip(&pursuit.offsets) {
+            *offset = series[at];
+        }
+        sample.nominal = pursuit.nominal[at];
+        sample
     }
 
     /// The port's inertia of the FMU over that of a model. Noise is that of the motion, which the inertia makes a
@@ -210,9 +295,14 @@ impl Prepared {
         let more: f64 = moved.map(|((value, at), slope)| (value - at) * slope).sum();
         let accelerated = Sample {
             acceleration: 1.0,
+            port: self.motion.port,
             ..Sample::default()
         };
-        let added = model.force(&accelerated) - model.force(&Sample::default());
+        let still = Sample {
+            port: self.motion.port,
+            ..Sample::default()
+        };
+        let added = model.force(&accelerated) - model.force(&still);
         let inertia = pursuit.inertia + more + added;
         if inertia > 0.0 {
             pursuit.inertia / inertia
@@ -221,25 +311,28 @@ impl Prepared {
         }
     }
 
-    fn slopes(&self, at: usize) -> [f64; MOST_PARAMETERS] {
-        let mut slopes = [0.0; MOST_PARAMETERS];
-        if let Some(pursuit) = &self.motion.pursuit {
-            for (slope, series) in slopes.iter_mut().zip(&pursuit.slopes) {
-                *slope = series[at];
-            }
-        }
-        slopes
-    }
-
     fn model_force(&self, model: &Model) -> Vec<f64> {
         let inertia = if model.kind.runs_alone() { 1.0 } else { 0.0 };
         // What is read now was there `delay` ago: the motion that goes with this force is read later.
-        let found_at = self.motion.pursuit.as_ref().map_or(0.0, |own| own.at_delay);
-        let delay = model.delay() - found_at;
-        let shift = delay / self.motion.interval;
-        let delayed = |at: usize| match &self.motion.pursuit {
-            Some(pursuit) => delay * pursuit.delayed[at],
-            None => 0.0,
+        let port = self.motion.port;
+        let later: Vec<f64> = match &self.motion.pursuit {
+            Some(pursuit) => {
+                let delays = pursuit.at_delays.iter().enumerate();
+                delays
+                    .map(|(at, found_at)| model.delay(at) - found_at)
+                    .collect()
+            }
+            None => vec![model.delay(port)],
+        };
+        let shift = later
+            .get(port)
+            .map_or(0.0, |own| own / self.motion.interval);
+        let delayed = |at: usize| -> f64 {
+            let Some(pursuit) = &self.motion.pursuit else {
+                return 0.0;
+            };
+            let all = later.iter().zip(&pursuit.delayed);
+            all.map(|(delay, series)| delay * series[at]).sum()
         };
         let encoder = model.eccentricity();
         let force: Vec<f64> = (0..self.motion.len())
@@ -261,12 +354,33 @@ impl Prepared {
     }
 }
 
+/// Folds of pieces that were measured at the same time at several ports: left out together.
+fn folds_by_time(prepared: &[Prepared], pieces: &[usize], count: usize) -> Vec<usize> {
+    let ports = prepared.iter().map(|own| own.motion.port + 1).max();
+    let seconds = || prepared.iter().map(|own| own.motion.seconds());
+    // Each record stands there once for every port.
+    let total = seconds().sum::<f64>() / ports.unwrap_or(1) as f64;
+    let mut folds = Vec::new();
+    let mut begin = 0.0;
+    for ((own, &pieces), seconds) in prepared.iter().zip(pieces).zip(seconds()) {
+        for piece in 0..pieces {
+            let part = (piece as f64 + 0.5) / pieces as f64;
+            let at = (begin + part * seconds) / total;
+            folds.push(((at * count as f64) as usize).min(count - 1));
+        }
+        if Some(own.motion.port + 1) == ports {
+            begin += seconds;
+        }
+    }
+    folds
+}
+
 impl Problem for Balance {
     fn residuals(&self, model: &Model) -> Vec<Vec<f64>> {
         let mut pieces = Vec::with_capacity(self.folds.len());
         for record in &self.records {
             let forces = record.model_force(model);
-            let lightness = record.lightness(model);
+            let lightness = record.lightness(model) * self.weight(record);
             for (measured, forces) in record
                 .measured
                 .chunks(self.piece)
@@ -277,6 +391,45 @@ impl Problem for Balance {
             }
         }
         pieces
+    }
+
+    fn slopes(
+        &self,
+        model: &Model,
+        residuals: &[Vec<f64>],
+        (term, number): (usize, usize),
+    ) -> Option<Vec<Vec<f64>>> {
+        // An FMU's parameters: how the force that it lacks changes with them is in the pursuits.
+        if model.kind != Kind::Fmu || term != 0 {
+            return None;
+        }
+        let mut residuals = residuals.iter();
+        let mut all = Vec::with_capacity(residuals.len());
+        for record in &self.records {
+            let pursuit = record.motion.pursuit.as_ref()?;
+            let slopes = record.slopes.get(number)?;
+            let lightness = record.lightness(model);
+            let heavier = pursuit.inertia_slopes.get(number)? * lightness / pursuit.inertia;
+            let weight = lightness * self.weight(record);
+            for slopes in slopes.chunks(self.piece) {
+                let pairs = slopes.iter().zip(residuals.next()?);
+                all.push(
+                    pairs
+                        .map(|(slope, residual)| -slope * weight - residual * heavier)
+                        .collect(),
+                );
+            }
+        }
+        // The prior's errors come last, one for each parameter that was known before.
+        let parameters = model.terms().first()?.entry.parameters.iter();
+        let known = parameters.zip(&self.nominal).enumerate();
+        let errors = known.filter_map(|(at, (parameter, _))| match parameter.dimension {
+            Dimension::Own { size, .. } if at == number => Some(self.known / size),
+            Dimension::Own { .. } => Some(0.0),
+            _ => None,
+        });
+        all.push(errors.collect());
+        Some(all)
     }
 
     fn prior(&self, model: &Model) -> Vec<f64> {

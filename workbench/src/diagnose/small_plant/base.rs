@@ -3,7 +3,7 @@
 use stickslip::body::{self, Dimension, Kind, Parameter, parameter};
 use stickslip::parameter::Range;
 
-use super::term::{Entry, Formula, Role, Sample};
+use super::term::{Entry, Formula, Place, Role, Sample};
 
 /// M·a + viscous·v + offset = force.
 pub const DRIVE: Entry = Entry {
@@ -21,6 +21,7 @@ pub const DRIVE: Entry = Entry {
         starts: &[],
     },
     own: false,
+    place: Place::Everywhere,
 };
 
 /// a + stiffness·sin(x − rest) + viscous·v = 0, all over the moment of inertia.
@@ -39,6 +40,7 @@ pub const PENDULUM: Entry = Entry {
         starts: &[],
     },
     own: false,
+    place: Place::Everywhere,
 };
 
 /// (sliding + (breakaway − sliding)·exp(−|v|/speed))·sign v: Stribeck's law.
@@ -76,6 +78,7 @@ pub const CONTACT: Entry = Entry {
         starts: &[],
     },
     own: false,
+    place: Place::Everywhere,
 };
 
 /// scale·predicted = force.
@@ -99,6 +102,7 @@ pub const BALANCE: Entry = Entry {
         starts: &[],
     },
     own: false,
+    place: Place::Everywhere,
 };
 
 /// Σ slope·(parameter − its value in the FMU) = force that the FMU lacks, with the parameters that its ports file calls uncertain.
@@ -127,6 +131,7 @@ pub fn of_fmu(parameters: Vec<Parameter>) -> &'static Entry {
             starts: &[],
         },
         own: false,
+        place: Place::Everywhere,
     }))
 }
 
@@ -147,6 +152,7 @@ pub const JOINT: Entry = Entry {
         starts: &[],
     },
     own: false,
+    place: Place::Everywhere,
 };
 
 /// Torque of a joint's motor and moment of its weight, over the moment of inertia [rad/s²], from its base's numbers.

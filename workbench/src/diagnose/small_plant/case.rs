@@ -7,7 +7,8 @@ use thiserror::Error;
 use super::catalogue::{CATALOGUE, possible};
 use super::effect_file::{effect, of_user};
 use super::evidence::unit;
-use super::fmu::missing::{Chased, MissingError};
+use super::fmu::missing::{Chased, MissingError, Recorded};
+use super::fmu::places::at_each;
 use super::fmu::plant::Plant;
 use super::model::Model;
 use super::model_file::{SmallModel, SmallModelError};
@@ -36,12 +37,16 @@ pub struct SmallCase {
     pub records: Vec<Motion>,
     /// Record to judge on.
     pub held_out: Motion,
+    /// The same record at the further ports of an FMU.
+    pub held_out_further: Vec<Motion>,
     /// Whether the record to judge on goes on where the last one to learn from ends.
     pub goes_on: bool,
     /// Usual sizes in the records to learn from.
     pub scales: Scales,
     /// Residual that weighs as much as one standard deviation of an FMU's parameter.
     pub known: f64,
+    /// What a residual at each port of an FMU counts: the noise at the first over that there.
+    pub weights: Vec<f64>,
     /// The FMU and its records as they were measured; none of the other kinds.
     pub chased: Option<Chased>,
     /// Effects that files of the user's describe, which are tried beside those of the catalogue.
@@ -129,9 +134,9 @@ pub fn load(
         };
         ports.fmu = std::path::absolute(fmu).ok();
     }
-    let supposed = supposed(material, &model)?;
+    let supposed = at_ports(supposed(material, &model)?, &model);
     for name in &material.without {
-        check_effect(name, &supposed)
+        check_effect(name, &[&supposed[..], &model.of_ports[..]].concat())
             .map_err(|what| SmallCaseError::Usage(format!("--without {name}: {what}")))?;
     }
     let parts = &material.records;
@@ -175,7 +180,8 @@ pub fn load(
         }
         None => None,
     };
-    let mut records: Vec<Motion> = all.into_iter().map(|own| own.motion).collect();
+    let first = |mut own: Recorded| own.motions.swap_remove(0);
+    let mut records: Vec<Motion> = all.into_iter().map(first).collect();
     let Some(mut held_out) = records.pop() else {
         return Err(SmallCaseError::Usage("the case has no record".to_owned()));
     };
@@ -186,12 +192,10 @@ pub fn load(
         .last()
         .is_some_and(|last| continues(last, held_out_part));
     relate_load(&model, &mut records, &mut held_out)?;
+    let mut held_out_further = Vec::new();
     if let Some(chased) = &chased {
-        let nominal = &model.model.terms()[0].values;
-        records = chased.missing(nominal, model.model.delay(), progress)?;
-        if let Some(last) = records.pop() {
-            held_out = last;
-        }
+        (records, held_out, held_out_further) =
+            chased_motions(chased, &model.model, held_out, progress)?;
     }
     let scales = Scales::of(&records);
     for (size, what) in [
@@ -228,10 +232,12 @@ pub fn load(
         why.map(|why| format!("{NO_FMU}: {why}; model.amended.toml is the amended model"));
     let mut case = SmallCase {
         known: 0.0,
+        weights: Vec::new(),
         name: material.name.clone(),
         model,
         records,
         held_out,
+        held_out_further,
         goes_on,
         scales,
         supposed,
@@ -246,6 +252,35 @@ pub fn load(
     let model = case.model.model.clone();
     case.weigh_knowledge(&model);
     Ok(case)
+}
+
+/// The records to learn from and the one to judge on, with the force that the FMU lacks: the latter at the first port and at the others.
+fn chased_motions(
+    chased: &Chased,
+    model: &Model,
+    held_out: Motion,
+    progress: &mut dyn FnMut(&str),
+) -> Result<(Vec<Motion>, Motion, Vec<Motion>), MissingError> {
+    let ports = chased.plant.places.len();
+    let parameters = &model.terms()[0].values;
+    let mut records = chased.missing(parameters, &model.delays(ports), progress)?;
+    let mut last = records
+        .split_off(records.len().saturating_sub(ports))
+        .into_iter();
+    let first = last.next().unwrap_or(held_out);
+    Ok((records, first, last.collect()))
+}
+
+/// Effects of the user's at each of an FMU's ports, where it has several.
+fn at_ports(all: Vec<&'static Entry>, model: &SmallModel) -> Vec<&'static Entry> {
+    let ports = model.ports.iter().flat_map(|ports| &ports.ports);
+    let names: Vec<&str> = ports.filter_map(|port| port.name.as_deref()).collect();
+    if names.len() < 2 {
+        return all;
+    }
+    all.into_iter()
+        .flat_map(|entry| at_each(entry, &names))
+        .collect()
 }
 
 /// The effects that files of the user's describe, on the plant of `model`.
@@ -288,12 +323,12 @@ pub fn supposed(
     Ok(all.into_iter().map(|(_, entry)| entry).collect())
 }
 
-/// Refuses names that neither the small plants' catalogue nor the files of the user's have.
+/// Refuses names that neither the effects `further` of the user's or of an FMU's own places nor the small plants' catalogue have.
 ///
 /// # Errors
 /// What would be right.
-pub fn check_effect(name: &str, supposed: &[&'static Entry]) -> Result<&'static Entry, String> {
-    let all = || supposed.iter().copied().chain(CATALOGUE.iter());
+pub fn check_effect(name: &str, further: &[&'static Entry]) -> Result<&'static Entry, String> {
+    let all = || further.iter().copied().chain(CATALOGUE.iter());
     all().find(|entry| entry.name == name).ok_or_else(|| {
         let known: Vec<&str> = all().map(|entry| entry.name).collect();
         format!(
@@ -390,11 +425,9 @@ impl SmallCase {
         progress: &mut dyn FnMut(&str),
     ) -> Result<(), SmallCaseError> {
         if let Some(chased) = &self.chased {
-            let parameters = &model.terms()[0].values;
-            self.records = chased.missing(parameters, model.delay(), progress)?;
-            if let Some(last) = self.records.pop() {
-                self.held_out = last;
-            }
+            let held_out = self.held_out.clone();
+            (self.records, self.held_out, self.held_out_further) =
+                chased_motions(chased, model, held_out, progress)?;
             self.weigh_knowledge(model);
         }
         Ok(())
@@ -403,8 +436,27 @@ impl SmallCase {
     /// Weighs what is known of an FMU's parameters against residuals as large as `model` leaves.
     fn weigh_knowledge(&mut self, model: &Model) {
         if self.kind() == Kind::Fmu {
+            let ports = self.chased.as_ref().map_or(1, |own| own.plant.places.len());
+            if ports > 1 {
+                let all = balance(self).weighing(&[]);
+                let noise = (0..ports)
+                    .map(|port| root_mean_square(&all.at_port(port).residuals(model).concat()));
+                let noise: Vec<f64> = noise.collect();
+                self.weights = noise.iter().map(|own| noise[0] / own).collect();
+            }
             self.known = unit(&balance(self).residuals(model)).sqrt();
         }
+    }
+
+    /// The effect of this name.
+    ///
+    /// # Errors
+    /// What would be right.
+    pub fn effect(&self, name: &str) -> Result<&'static Entry, String> {
+        check_effect(
+            name,
+            &[&self.supposed[..], &self.model.of_ports[..]].concat(),
+        )
     }
 
     /// The effects that the plant can have and its model has not.

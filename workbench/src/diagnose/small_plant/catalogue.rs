@@ -8,7 +8,7 @@ use stickslip::parameter::Range;
 
 use super::effect_file;
 use super::model_file::SmallModel;
-use super::term::{Entry, Formula, Role, Sample};
+use super::term::{Entry, Formula, Place, Role, Sample};
 
 use Dimension::{Acceleration, Angle, Delay, Force, Inertia, Ratio, Speed};
 use Kind::{Balance, Contact, Drive, Fmu, Pendulum};
@@ -80,6 +80,7 @@ const CODED: &[Entry] = &[
             ],
         },
         own: false,
+        place: Place::Everywhere,
     },
     Entry {
         name: "load_exponent",
@@ -101,6 +102,7 @@ const CODED: &[Entry] = &[
             starts: &[&[0.2], &[1.0]],
         },
         own: false,
+        place: Place::Everywhere,
     },
     Entry {
         name: "sensor_delay",
@@ -126,6 +128,7 @@ const CODED: &[Entry] = &[
             starts: &[&[0.1], &[-0.1]],
         },
         own: false,
+        place: Place::Everywhere,
     },
     Entry {
         name: "encoder_eccentricity",
@@ -155,6 +158,7 @@ const CODED: &[Entry] = &[
             starts: &[&[0.001, 0.001]],
         },
         own: false,
+        place: Place::Everywhere,
     },
 ];
 
@@ -163,7 +167,13 @@ const CODED: &[Entry] = &[
 pub fn possible(plant: &SmallModel, supposed: &[&'static Entry]) -> Vec<&'static Entry> {
     let model = &plant.model;
     let has_load = plant.columns.load.is_some();
-    let all = CATALOGUE.iter().chain(supposed.iter().copied());
+    let shared = match plant.port_names().len() {
+        0 | 1 => &CATALOGUE[..],
+        // Each effect stands among those of the ports, once for each.
+        _ => &[],
+    };
+    let own = plant.of_ports.iter().chain(supposed).copied();
+    let all = shared.iter().chain(own);
     all.filter(|entry| entry.fits(model.kind, model.path, has_load))
         .filter(|entry| !model.has(entry.name))
         .collect()

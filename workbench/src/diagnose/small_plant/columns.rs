@@ -18,6 +18,20 @@ pub struct Column {
     pub factor: Option<f64>,
 }
 
+impl Column {
+    /// The column as a table of one line.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let factor = self
+            .factor
+            .map_or(String::new(), |factor| format!(", factor = {factor:?}"));
+        format!(
+            "{{ column = {:?}, unit = {:?}{factor} }}",
+            self.column, self.unit
+        )
+    }
+}
+
 /// The columns of a record by quantity.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

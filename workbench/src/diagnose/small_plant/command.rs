@@ -11,13 +11,13 @@ use build_fmu::library::{self, Library};
 use build_fmu::platform::FmiVersion;
 
 use super::amend::{amended_text, described, named};
-use super::case::{NO_FMU, SmallCase, check_effect, load};
+use super::case::{NO_FMU, SmallCase, load};
 use super::console::screen;
 use super::finding::SmallFinding;
-use super::fmu::wrapper;
+use super::fmu::wrapper::{self, WrapperError};
 use super::model::Model;
 use super::model_file::SmallModel;
-use super::naming::{Naming, fit_base, fit_with, name as name_effects, shows};
+use super::naming::{MOST_EFFECTS, Naming, fit_base, fit_with, name as name_effects, shows};
 use super::report::page;
 use super::showing::{balance, models_on_the_way, step};
 use super::swing::Swing;
@@ -64,6 +64,9 @@ pub fn run(
 ) -> anyhow::Result<(Outcome, String)> {
     let begun = Instant::now();
     let amends = matches!(stage, Stage::All | Stage::Amend(_));
+    if matches!(stage, Stage::All | Stage::Name) {
+        refuse_several_ports(material)?;
+    }
     let mut case = load(material, progress)?;
     // Before minutes pass: is there what the amended FMU needs?
     let moves = case.kind().stands_still().is_none();
@@ -97,15 +100,18 @@ pub fn run(
             progress("the FMU with the effects");
             let libraries = std::mem::take(&mut libraries);
             let amended = SmallModel::parse(&text, AMENDED)?;
-            let wrapped = wrapper::build(&amended, AMENDED, out, libraries, out)?;
-            found
-                .finding
-                .notes
-                .extend(wrapped.left_out.iter().map(|name| {
-                format!(
-                    "{name} is an effect of the readings; the FMU with the effects does not have it"
-                )
-            }));
+            let notes = &mut found.finding.notes;
+            match wrapper::build(&amended, AMENDED, out, libraries, out) {
+                Ok(wrapped) => notes.extend(wrapped.left_out.iter().map(|name| {
+                    format!(
+                        "{name} is an effect of the readings; the FMU with the effects does not have it"
+                    )
+                })),
+                Err(error @ WrapperError::Elsewhere { .. }) => {
+                    notes.push(format!("{NO_FMU}: {error}"));
+                }
+                Err(error) => return Err(error.into()),
+            }
         }
     }
     if stage == Stage::Show {
@@ -138,6 +144,22 @@ pub fn run(
     Ok((outcome, screen(&case.name, &found)))
 }
 
+/// Refuses to name effects at several ports at once: on our own rig, where nothing was missing, such names were false.
+fn refuse_several_ports(material: &Material) -> anyhow::Result<()> {
+    let model = SmallModel::parse(&material.model_text, &material.model_name)?;
+    let ports = model.port_names();
+    if ports.len() < 2 {
+        return Ok(());
+    }
+    Err(anyhow!(
+        "{}: has {} ports ({}), and effects are named at one; `stickslip locate` tells at which of them the FMU and the records disagree: \
+         leave that one as [port] and diagnose again",
+        material.model_name,
+        ports.len(),
+        ports.join(", ")
+    ))
+}
+
 /// Builds the FMUs of an amended model, or removes those of an earlier one where it can have none; what a note says of it.
 fn build_fmus(text: &str, out: &Path, library: &Library) -> anyhow::Result<String> {
     let source = match Source::from_text(text.to_owned(), AMENDED) {
@@ -166,7 +188,8 @@ fn build_fmus(text: &str, out: &Path, library: &Library) -> anyhow::Result<Strin
 }
 
 /// Names what is missing. The force that an FMU lacks depends on its parameters, and how much the knowledge of those weighs on what is
-/// named: so until the names do not change any more.
+/// named: so until the names do not change any more. Numbers that are far off leave structure that the right ones do not, which effects
+/// would stand in for: so with an effect more each time.
 fn named_finding(
     case: &mut SmallCase,
     progress: &mut dyn FnMut(&str),
@@ -175,13 +198,17 @@ fn named_finding(
         .candidates()
         .into_iter()
         .partition(|entry| shows(entry, case.kind(), case.records.len()));
-    let mut naming = names(case, &open, progress);
-    for _ in 0..MOST_ROUNDS {
+    let most = match case.chased {
+        Some(_) => 1,
+        None => MOST_EFFECTS,
+    };
+    let mut naming = names(case, &open, most, progress);
+    for more in 1..=MOST_ROUNDS {
         if case.chased.is_none() {
             break;
         }
         case.pursue(&naming.amended.model, progress)?;
-        let again = names(case, &open, progress);
+        let again = names(case, &open, most + more, progress);
         let is_settled = again.names() == naming.names();
         naming = again;
         if is_settled {
@@ -200,7 +227,13 @@ fn named_finding(
     Ok(found)
 }
 
-fn names(case: &SmallCase, open: &[&'static Entry], progress: &mut dyn FnMut(&str)) -> Naming {
+fn names(
+    case: &SmallCase,
+    open: &[&'static Entry],
+    most: usize,
+    progress: &mut dyn FnMut(&str),
+) -> Naming {
+    let open = (open, most);
     let (forces, scales) = (balance(case), &case.scales);
     if case.kind() != Kind::Joint {
         return name_effects(&forces, &case.model.model, scales, open, progress);
@@ -252,7 +285,8 @@ fn entries(case: &SmallCase, effects: &[String]) -> anyhow::Result<Vec<&'static 
     effects
         .iter()
         .map(|name| {
-            let entry = check_effect(name, &case.supposed)
+            let entry = case
+                .effect(name)
                 .map_err(|what| anyhow!("--effect {name}: {what}"))?;
             Some(entry)
                 .filter(|entry| entry.fits(model.kind, model.path, has_load) && !model.has(name))

@@ -6,7 +6,7 @@ use stickslip::body::coordinate::LOAD;
 use stickslip::body::{CATALOGUE_FILE, Described, Effect, FileError, Kind, Path, Port, catalogue};
 
 use super::model::Term;
-use super::term::{Entry, Formula, Role};
+use super::term::{Entry, Formula, Place, Role};
 
 /// What an effect at each port is.
 const ROLES: [(Port, Role); 2] = [(Port::Force, Role::Added), (Port::Friction, Role::Friction)];
@@ -44,6 +44,7 @@ pub fn of_user(effect: &'static Effect, kind: Kind, path: Path) -> Entry {
             operations: effect.program.operations(),
         },
         own: true,
+        place: Place::Everywhere,
     }
 }
 
@@ -109,7 +110,7 @@ mod tests {
                 let shared = CATALOGUE.iter().find(|own| own.name == entry.name);
                 let operations = |entry: &Entry| match entry.formula {
                     Formula::Equation { operations, .. } => operations,
-                    Formula::Code { .. } => &[],
+                    _ => &[],
                 };
                 assert_eq!(shared.map(operations), Some(operations(&entry)));
             }

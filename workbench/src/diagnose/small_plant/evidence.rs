@@ -1,6 +1,6 @@
 //! What speaks for an effect: errors on what was left out of the fit, and how certain their difference is.
 
-use super::least_squares::{Fit, fit};
+use super::least_squares::{Fit, Start, fit_from};
 use super::motion::Scales;
 use super::problem::Problem;
 use inference::random::Random;
@@ -18,8 +18,9 @@ pub fn left_out_errors(problem: &dyn Problem, fitted: &Fit, scales: &Scales) -> 
     let folds = problem.folds();
     let count = folds.iter().max().map_or(0, |last| last + 1);
     let mut errors = vec![0.0; folds.len()];
+    let start = Start::new(problem, &fitted.model, scales);
     for fold in 0..count {
-        let refit = fit(problem, &fitted.model, scales, Some(fold), REFIT_STEPS);
+        let refit = fit_from(problem, &start, Some(fold), REFIT_STEPS);
         for (at, piece) in refit.residuals.iter().enumerate() {
             if folds[at] == fold {
                 errors[at] = piece.iter().map(|r| r * r).sum();

@@ -101,7 +101,17 @@ fn jacobian(
         .iter()
         .map(|piece| DMatrix::zeros(piece.len(), x.len()))
         .collect();
-    for column in 0..x.len() {
+    for (column, &(term, number, range, scale)) in coordinates.places.iter().enumerate() {
+        if range == Range::Finite
+            && let Some(slopes) = problem.slopes(model, residuals, (term, number))
+        {
+            for (piece, slopes) in pieces.iter_mut().zip(&slopes) {
+                for (row, slope) in slopes.iter().enumerate() {
+                    piece[(row, column)] = slope * scale;
+                }
+            }
+            continue;
+        }
         let mut shifted = x.clone();
         shifted[column] += STEP;
         let moved = errors(problem, &coordinates.set(model, &shifted));
@@ -123,7 +133,36 @@ pub fn fit(
     without: Option<usize>,
     steps: usize,
 ) -> Fit {
-    let coordinates = Coordinates::new(model, scales);
+    fit_from(problem, &Start::new(problem, model, scales), without, steps)
+}
+
+/// Where fits begin: a model with its errors and their derivatives. Fits that leave one fold after the other out share it.
+pub struct Start {
+    model: Model,
+    coordinates: Coordinates,
+    errors: Vec<Vec<f64>>,
+    jacobian: Vec<DMatrix<f64>>,
+}
+
+impl Start {
+    /// At `model`.
+    #[must_use]
+    pub fn new(problem: &dyn Problem, model: &Model, scales: &Scales) -> Self {
+        let coordinates = Coordinates::new(model, scales);
+        let errors = errors(problem, model);
+        Self {
+            model: model.clone(),
+            jacobian: jacobian(problem, &coordinates, model, &errors),
+            coordinates,
+            errors,
+        }
+    }
+}
+
+/// As [`fit`], from where `start` is.
+#[must_use]
+pub fn fit_from(problem: &dyn Problem, start: &Start, without: Option<usize>, steps: usize) -> Fit {
+    let coordinates = &start.coordinates;
     let used: Vec<bool> = problem
         .folds()
         .iter()
@@ -140,14 +179,20 @@ pub fn fit(
             .sum()
     };
     let mut best = Fit {
-        model: model.clone(),
-        residuals: errors(problem, model),
+        model: start.model.clone(),
+        residuals: start.errors.clone(),
         loss: 0.0,
     };
     best.loss = loss(&best.residuals);
     let mut damping = 1e-3;
-    for _ in 0..steps {
-        let pieces = jacobian(problem, &coordinates, &best.model, &best.residuals);
+    for step in 0..steps {
+        let further;
+        let pieces = if step == 0 {
+            &start.jacobian
+        } else {
+            further = jacobian(problem, coordinates, &best.model, &best.residuals);
+            &further
+        };
         let size = coordinates.places.len();
         let mut normal = DMatrix::zeros(size, size);
         let mut gradient = DVector::zeros(size);

@@ -8,6 +8,8 @@
 
 pub mod amend;
 pub mod balance;
+#[cfg(test)]
+mod balance_tests;
 pub mod base;
 pub mod case;
 pub mod catalogue;

@@ -66,7 +66,6 @@ impl Model {
     /// Force against the motion at a moment: what drives the plant must be equal to it.
     #[must_use]
     pub fn force(&self, sample: &Sample) -> f64 {
-        let law = self.law_in_force();
         let loaded;
         let mut sample = sample;
         if self.kind == Kind::Joint
@@ -80,32 +79,50 @@ impl Model {
             };
             sample = &loaded;
         }
-        let (mut friction, mut other) = (0.0, 0.0);
-        for (at, term) in self.terms.iter().enumerate() {
-            match term.entry.role {
-                Role::Law if at == law => friction += term.entry.force(&term.values, sample, 0.0),
-                Role::Friction => friction += term.entry.force(&term.values, sample, 0.0),
-                Role::Law | Role::Shift | Role::Reading | Role::Added => {}
+        let force = |term: &Term, friction: f64| {
+            if term.entry.place.is_at(sample.port) {
+                term.entry.force(&term.values, sample, friction)
+            } else {
+                0.0
             }
+        };
+        let (mut friction, mut other) = (0.0, 0.0);
+        let laws = self.terms.iter().enumerate().rev();
+        let mut laws = laws.filter(|(_, term)| term.entry.role == Role::Law);
+        if let Some((_, law)) = laws.find(|(_, term)| term.entry.place.is_at(sample.port)) {
+            friction = force(law, 0.0);
+        }
+        for term in self.terms.iter().filter(|t| t.entry.role == Role::Friction) {
+            friction += force(term, 0.0);
         }
         for term in self.terms.iter().filter(|t| t.entry.role == Role::Added) {
-            other += term.entry.force(&term.values, sample, friction);
+            other += force(term, friction);
         }
         friction + other
     }
 
-    /// Time by which the motion's readings lag behind the force [s].
+    /// Time by which the readings of the motion at a port lag behind the force [s].
     #[must_use]
-    pub fn delay(&self) -> f64 {
-        let law = self.law_in_force();
+    pub fn delay(&self, port: usize) -> f64 {
         self.terms
             .iter()
             .enumerate()
-            .filter(|(at, term)| term.entry.role == Role::Shift || *at == law)
+            .filter(|(at, term)| match term.entry.role {
+                Role::Shift => true,
+                Role::Law => self.is_in_force(*at),
+                _ => false,
+            })
+            .filter(|(_, term)| term.entry.place.is_at(port))
             .flat_map(|(_, term)| term.entry.parameters.iter().zip(&term.values))
             .filter(|(parameter, _)| parameter.dimension == Dimension::Delay)
             .map(|(_, value)| value)
             .sum()
+    }
+
+    /// The same of each of so many ports.
+    #[must_use]
+    pub fn delays(&self, ports: usize) -> Vec<f64> {
+        (0..ports).map(|port| self.delay(port)).collect()
     }
 
     /// How the encoder is off centre, if it is.
@@ -118,22 +135,22 @@ impl Model {
         })
     }
 
-    /// The friction law that holds: the last one replaces those before.
-    fn law_in_force(&self) -> usize {
-        self.terms
+    /// Whether no later friction law replaces this one at its place.
+    fn is_in_force(&self, at: usize) -> bool {
+        let place = self.terms[at].entry.place;
+        let later = &self.terms[at + 1..];
+        !later
             .iter()
-            .rposition(|term| term.entry.role == Role::Law)
-            .unwrap_or(usize::MAX)
+            .any(|term| term.entry.role == Role::Law && term.entry.place == place)
     }
 
     /// The numbers that the records can say something about: those of a law that was replaced cannot.
     #[must_use]
     pub fn free(&self) -> Vec<(usize, usize, &'static Parameter)> {
-        let law = self.law_in_force();
         self.terms
             .iter()
             .enumerate()
-            .filter(|(at, term)| term.entry.role != Role::Law || *at == law)
+            .filter(|(at, term)| term.entry.role != Role::Law || self.is_in_force(*at))
             .flat_map(|(at, term)| {
                 let parameters = term.entry.parameters.iter().enumerate();
                 parameters.map(move |(j, parameter)| (at, j, parameter))

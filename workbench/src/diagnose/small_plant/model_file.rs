@@ -58,6 +58,8 @@ pub struct SmallModel {
     pub measurement: Measurement,
     /// How an FMU meets the records; none of the other kinds.
     pub ports: Option<Ports>,
+    /// Effects that an FMU can have at its ports beside those of the catalogue, or instead of them where it has several.
+    pub of_ports: Vec<&'static Entry>,
     /// Origins by dotted name.
     pub origins: BTreeMap<String, Provenance>,
 }
@@ -69,6 +71,13 @@ impl SmallModel {
     /// [`SmallModelError`], naming section and key and what would be right.
     pub fn parse(text: &str, file: &str) -> Result<Self, SmallModelError> {
         read(&Reader::new(text, file)?)
+    }
+
+    /// Names of an FMU's ports; none where it has one without a name.
+    #[must_use]
+    pub fn port_names(&self) -> Vec<&str> {
+        let ports = self.ports.iter().flat_map(|ports| &ports.ports);
+        ports.filter_map(|port| port.name.as_deref()).collect()
     }
 }
 

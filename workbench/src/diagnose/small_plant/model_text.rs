@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use super::columns::Column;
 use super::effect_file::section;
 use super::fmu::ports::key;
 use super::model::Term;
@@ -25,21 +24,8 @@ impl SmallModel {
             text.push_str(&ports.to_toml());
         }
         text.push_str("\n[columns]\n");
-        for (
-            quantity,
-            Column {
-                column,
-                unit,
-                factor,
-            },
-        ) in self.columns.given()
-        {
-            let factor = factor.map_or(String::new(), |factor| format!(", factor = {factor:?}"));
-            let _ = writeln!(
-                text,
-                "{} = {{ column = {column:?}, unit = {unit:?}{factor} }}",
-                quantity.word()
-            );
+        for (quantity, column) in self.columns.given() {
+            let _ = writeln!(text, "{} = {}", quantity.word(), column.to_toml());
         }
         let Measurement {
             motion_low_pass,

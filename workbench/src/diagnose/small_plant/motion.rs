@@ -38,6 +38,10 @@ pub struct Motion {
     pub connected: Vec<f64>,
     /// Whether the moment says something of the forces: at rest friction takes any force up to breakaway.
     pub tells: Vec<bool>,
+    /// Which of an FMU's ports it is of.
+    pub port: usize,
+    /// Frequency below which its forces are compared, where that is not `[measurement]`'s [Hz].
+    pub cut_off: Option<f64>,
     /// What is particular to an FMU's missing force.
     pub pursuit: Option<Pursuit>,
 }
@@ -47,8 +51,8 @@ pub struct Motion {
 pub struct Pursuit {
     /// Values of the uncertain parameters at which it was found.
     pub at: Vec<f64>,
-    /// Delay of the motion's readings at which it was found [s].
-    pub at_delay: f64,
+    /// Delays of the readings at each port at which it was found [s].
+    pub at_delays: Vec<f64>,
     /// By how much it falls as each uncertain parameter grows [N or N m over the parameter's unit].
     pub slopes: Vec<Vec<f64>>,
     /// The same times those values, summed [N or N m].
@@ -59,8 +63,10 @@ pub struct Pursuit {
     pub sense: f64,
     /// How the inertia grows with each uncertain parameter.
     pub inertia_slopes: Vec<f64>,
-    /// By how much it falls as the motion is read later [N/s or N m/s].
-    pub delayed: Vec<f64>,
+    /// By how much it falls as the motion at each port is read later [N/s or N m/s].
+    pub delayed: Vec<Vec<f64>>,
+    /// By how much it falls as the columns that may be off by a constant grow [N or N m over the column's unit].
+    pub offsets: Vec<Vec<f64>>,
 }
 
 /// Usual sizes of what is in a record: root mean squares.
@@ -141,6 +147,8 @@ impl Motion {
             voltage: vec![0.0; count],
             connected: vec![0.0; count],
             tells: vec![true; count],
+            port: 0,
+            cut_off: None,
             pursuit: None,
         }
     }

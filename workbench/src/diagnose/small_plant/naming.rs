@@ -13,7 +13,7 @@ use stickslip::body::Kind;
 use stickslip::body::coordinate::TIME;
 
 /// Most effects that are named one after the other.
-const MOST_EFFECTS: usize = 8;
+pub const MOST_EFFECTS: usize = 8;
 /// Steps of a first look at each start, and of fits that are carried to the end.
 const FIRST_LOOK: usize = 8;
 const TO_THE_END: usize = 40;
@@ -119,12 +119,12 @@ pub fn fit_with(
     fit(problem, &model, scales, None, TO_THE_END)
 }
 
-/// Names what `model` lacks, trying `candidates`.
+/// Names what `model` lacks, trying `candidates`, until so many are named or none is missing.
 pub fn name(
     problem: &dyn Problem,
     model: &Model,
     scales: &Scales,
-    candidates: &[&'static Entry],
+    (candidates, most): (&[&'static Entry], usize),
     progress: &mut dyn FnMut(&str),
 ) -> Naming {
     progress("nominal parameters");
@@ -132,8 +132,15 @@ pub fn name(
     let mut current = base.clone();
     let mut ranking: Option<Vec<Tried>> = None;
     let mut kept: Vec<Kept> = Vec::new();
-    while kept.len() < MOST_EFFECTS {
-        progress(&format!("candidates, round {}", kept.len() + 1));
+    while kept.len() < most {
+        let on_top = kept
+            .last()
+            .map(|kept| format!(", on top of {}", kept.entry.name));
+        progress(&format!(
+            "candidates, round {}{}",
+            kept.len() + 1,
+            on_top.unwrap_or_default()
+        ));
         let before = left_out_errors(problem, &current, scales);
         let round = Round {
             problem,

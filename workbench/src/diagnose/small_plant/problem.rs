@@ -14,6 +14,16 @@ pub trait Problem: Sync {
         Vec::new()
     }
 
+    /// How the residuals grow with a number, where that is known without another run of the model; `residuals` are those of `model`.
+    fn slopes(
+        &self,
+        _model: &Model,
+        _residuals: &[Vec<f64>],
+        _place: (usize, usize),
+    ) -> Option<Vec<Vec<f64>>> {
+        None
+    }
+
     /// A smoother problem of the same plant from which fits of this one start; `None` where they start from themselves.
     fn first_look(&self) -> Option<&dyn Problem> {
         None

@@ -3,7 +3,7 @@
 use std::path::Path as FilePath;
 
 use super::case::SmallCaseError;
-use super::columns::Quantity;
+use super::columns::{Column, Quantity};
 use super::fmu::missing::Recorded;
 use super::model_file::SmallModel;
 use super::motion::{Measured, Motion};
@@ -31,35 +31,8 @@ pub fn read(
     notes: &mut Vec<String>,
 ) -> Result<Recorded, SmallCaseError> {
     let sheet = Sheet::open(part, model, notes)?;
-    let measurement = &model.measurement;
-    let measured = match (
-        sheet.series(Quantity::Position)?,
-        sheet.series(Quantity::Velocity)?,
-    ) {
-        (Some(position), Some(velocity)) => {
-            check_velocity(&position, &velocity, sheet.interval)
-                .map_err(|what| sheet.unusable(what))?;
-            Measured::Both(position, velocity)
-        }
-        (Some(position), None) => Measured::Position(position),
-        (None, Some(velocity)) => Measured::Velocity(velocity),
-        (None, None) => {
-            return Err(
-                sheet.unusable("neither position nor velocity is named in [columns]".to_owned())
-            );
-        }
-    };
-    let mut motion = Motion::new(
-        part.span.map_or_else(
-            || file_name(&part.path),
-            |(from, to)| format!("{} {from}–{to} s", file_name(&part.path)),
-        ),
-        sheet.record.time()[0] * sheet.factor(Quantity::Time),
-        sheet.interval,
-        measured,
-        measurement.motion_low_pass,
-        measurement.standstill_speed,
-    );
+    let columns = &model.columns;
+    let mut motion = sheet.motion(part, columns.position.as_ref(), columns.velocity.as_ref())?;
     if let Some(force) = sheet.series(Quantity::Force)? {
         motion.force = force;
     }
@@ -86,6 +59,7 @@ pub fn read(
         motion.connected = sheet
             .series(Quantity::Connected)?
             .unwrap_or(vec![1.0; motion.len()]);
+        let measurement = &model.measurement;
         let cut_off = measurement
             .compare_low_pass
             .unwrap_or(0.5 * measurement.compare_rate);
@@ -95,7 +69,16 @@ pub fn read(
         .iter()
         .map(|name| sheet.column(name, "what drives an input"));
     let driven = driven.collect::<Result<Vec<_>, SmallCaseError>>()?;
-    Ok(Recorded { motion, driven })
+    let mut motions = vec![motion];
+    for port in model
+        .ports
+        .iter()
+        .flat_map(|ports| ports.ports.iter().skip(1))
+    {
+        let [position, velocity] = [&port.measured_position, &port.measured_velocity];
+        motions.push(sheet.motion(part, position.as_ref(), velocity.as_ref())?);
+    }
+    Ok(Recorded { motions, driven })
 }
 
 /// A record's table with its clock.
@@ -233,6 +216,55 @@ impl<'a> Sheet<'a> {
         column
             .and_then(|(_, column)| column.factor(quantity, path).ok())
             .unwrap_or(1.0)
+    }
+
+    /// The motion that these columns have.
+    fn motion(
+        &self,
+        part: &Part,
+        position: Option<&Column>,
+        velocity: Option<&Column>,
+    ) -> Result<Motion, SmallCaseError> {
+        let series = |column: Option<&Column>, quantity: Quantity| {
+            column
+                .map(|own| {
+                    let factor = own.factor(quantity, self.model.model.path).unwrap_or(1.0);
+                    let values = self.column(&own.column, quantity.word())?;
+                    Ok::<Vec<f64>, SmallCaseError>(
+                        values.iter().map(|value| value * factor).collect(),
+                    )
+                })
+                .transpose()
+        };
+        let measured = match (
+            series(position, Quantity::Position)?,
+            series(velocity, Quantity::Velocity)?,
+        ) {
+            (Some(position), Some(velocity)) => {
+                check_velocity(&position, &velocity, self.interval)
+                    .map_err(|what| self.unusable(what))?;
+                Measured::Both(position, velocity)
+            }
+            (Some(position), None) => Measured::Position(position),
+            (None, Some(velocity)) => Measured::Velocity(velocity),
+            (None, None) => {
+                return Err(
+                    self.unusable("neither position nor velocity is named in [columns]".to_owned())
+                );
+            }
+        };
+        let measurement = &self.model.measurement;
+        Ok(Motion::new(
+            part.span.map_or_else(
+                || file_name(&part.path),
+                |(from, to)| format!("{} {from}–{to} s", file_name(&part.path)),
+            ),
+            self.record.time()[0] * self.factor(Quantity::Time),
+            self.interval,
+            measured,
+            measurement.motion_low_pass,
+            measurement.standstill_speed,
+        ))
     }
 
     /// A column at even times, as it is.

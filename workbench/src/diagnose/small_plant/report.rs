@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::balance::Compared;
-use super::case::{SmallCase, check_effect};
+use super::case::SmallCase;
 use super::console::{answer, size};
 use super::finding::SmallFinding;
 use super::model::Model;
@@ -313,7 +313,7 @@ fn numbers(case: &SmallCase, found: &SmallFinding) -> String {
 fn confusions(case: &SmallCase, found: &SmallFinding) -> String {
     let mut text = String::from("<h2>What it could be confused with</h2>\n<ul>\n");
     for effect in &found.finding.effects {
-        if let Ok(entry) = check_effect(&effect.name, &case.supposed) {
+        if let Ok(entry) = case.effect(&effect.name) {
             let rivals: Vec<String> = entry.confusable.iter().map(|name| readable(name)).collect();
             let _ = writeln!(
                 text,

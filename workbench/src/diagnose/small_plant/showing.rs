@@ -39,6 +39,7 @@ pub struct Course {
 pub fn balance(case: &SmallCase) -> Balance {
     Balance::new(&case.records, &case.model.measurement, &case.scales)
         .knowing(&case.model.model, case.known)
+        .weighing(&case.weights)
 }
 
 /// A model's numbers brought to their best on all that was learned from: a pendulum's on ever longer stretches up to one
@@ -136,7 +137,9 @@ pub fn held_out_course(case: &SmallCase, model: &Model) -> Course {
     let held_out = std::slice::from_ref(&case.held_out);
     let measurement = &case.model.measurement;
     if !case.kind().runs_alone() {
-        return balance_course(&Balance::new(held_out, measurement, &case.scales), model);
+        let all = [held_out, &case.held_out_further].concat();
+        let balance = Balance::new(&all, measurement, &case.scales).weighing(&case.weights);
+        return balance_course(&balance, model);
     }
     let (swing, begin, skipped, known) = match case.records.last() {
         Some(last) if case.goes_on => {

@@ -123,13 +123,31 @@ pub struct Left {
     pub located: Located,
     /// Share of the residuals' square, on what the function was not fitted to.
     pub share: f64,
+    /// Which of an FMU's ports it is at.
+    pub port: usize,
     /// Squared errors beside the function, piece by piece, on what it was not fitted to; last those against what was known before.
     pub errors: Vec<f64>,
 }
 
-/// Structure of what a model leaves over every coordinate, strongest first.
+/// Structure of what a model leaves over every coordinate, at each of an FMU's `ports` for itself where it has several, strongest first.
 #[must_use]
-pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
+pub fn structures(balance: &Balance, model: &Model, scales: &Scales, ports: &[&str]) -> Vec<Left> {
+    if ports.len() < 2 {
+        return at_one(balance, model, scales);
+    }
+    let mut all = Vec::new();
+    for (at, port) in ports.iter().enumerate() {
+        for mut left in at_one(&balance.at_port(at), model, scales) {
+            left.port = at;
+            (*port).clone_into(&mut left.located.equation);
+            all.push(left);
+        }
+    }
+    all.sort_by(|a, b| b.located.gain.total_cmp(&a.located.gain));
+    all
+}
+
+fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
     let compared = balance.compared(model);
     let residuals = balance.residuals(model);
     let unit = unit(&residuals);
@@ -180,6 +198,7 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left
                     significant: gain.sure > 0.0,
                 },
                 share,
+                port: 0,
                 errors: after,
             })
         })

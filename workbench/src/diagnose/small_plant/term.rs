@@ -37,10 +37,35 @@ pub struct Sample {
     pub slopes: [f64; MOST_PARAMETERS],
     /// The same times the parameters' values at which the force was found, summed [N or N m].
     pub nominal: f64,
+    /// Which of an FMU's ports it is of.
+    pub port: usize,
+    /// By how much it falls as each uncertain parameter grows by its own value [N or N m].
+    pub drifts: [f64; MOST_PARAMETERS],
+    /// By how much an FMU's missing force falls as each column that may be off by a constant grows [N or N m over the column's unit].
+    pub offsets: [f64; MOST_OFFSETS],
 }
 
 /// Most uncertain parameters of an FMU.
-pub const MOST_PARAMETERS: usize = 8;
+pub const MOST_PARAMETERS: usize = 12;
+/// Most of its inputs whose columns may be off by a constant.
+pub const MOST_OFFSETS: usize = 4;
+
+/// Where a term acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// At every port.
+    Everywhere,
+    /// At one port.
+    Port(usize),
+}
+
+impl Place {
+    /// Whether a term there acts at an FMU's port.
+    #[must_use]
+    pub fn is_at(self, port: usize) -> bool {
+        matches!(self, Self::Everywhere) || self == Self::Port(port)
+    }
+}
 
 /// How a term enters the equation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,6 +105,24 @@ pub enum Formula {
         /// Values from which a fit starts, in units of each parameter's usual size.
         starts: &'static [&'static [f64]],
     },
+    /// What repeats so often per turn, as cosine and sine.
+    Repeats(f64),
+    /// An uncertain parameter of an FMU, of this number among them, that changes by a share of its value in a minute.
+    Drift(usize),
+    /// A column that is off by a constant, of this number among those that may be.
+    Offset(usize),
+}
+
+impl Formula {
+    /// Values from which a fit starts, in units of each parameter's usual size; none of an equation, which tells them itself.
+    fn multiples(&self) -> &'static [&'static [f64]] {
+        match self {
+            Self::Equation { .. } => &[],
+            Self::Code { starts, .. } => starts,
+            Self::Repeats(_) => &[&[0.1, 0.1]],
+            Self::Drift(_) | Self::Offset(_) => &[&[0.1]],
+        }
+    }
 }
 
 /// A base or an effect.
@@ -107,6 +150,8 @@ pub struct Entry {
     pub formula: Formula,
     /// Whether a file of the user's describes it.
     pub own: bool,
+    /// Where it acts.
+    pub place: Place,
 }
 
 impl PartialEq for Entry {
@@ -138,6 +183,12 @@ impl Entry {
                 operations::value(operations, values, &at, &mut vec![0.0; operations.len()])
             }
             Formula::Code { force, .. } => force(values, sample, friction),
+            Formula::Repeats(often) => {
+                let (sine, cosine) = (often * sample.position).sin_cos();
+                values[0] * cosine + values[1] * sine
+            }
+            Formula::Drift(at) => values[0] * sample.drifts[at] * sample.time / 60.0,
+            Formula::Offset(at) => values[0] * sample.offsets[at],
         }
     }
 
@@ -146,7 +197,7 @@ impl Entry {
     pub fn equation(&self) -> Option<&'static str> {
         match self.formula {
             Formula::Equation { text, .. } => Some(text),
-            Formula::Code { .. } => None,
+            _ => None,
         }
     }
 
@@ -156,7 +207,7 @@ impl Entry {
         match self.formula {
             Formula::Equation { .. } => start::origins(self, kind, path, scales),
             Formula::Code { .. } if self.role == Role::Law => Vec::new(),
-            Formula::Code { .. } => vec![Some(0.0); self.parameters.len()],
+            _ => vec![Some(0.0); self.parameters.len()],
         }
     }
 
@@ -164,22 +215,19 @@ impl Entry {
     /// of the effect shows there.
     #[must_use]
     pub fn starts(&self, kind: Kind, path: Path, scales: &Scales) -> Vec<Vec<f64>> {
-        match self.formula {
-            Formula::Equation { .. } => start::values(self, kind, path, scales).unwrap_or_default(),
-            Formula::Code { starts, .. } => starts
-                .iter()
-                .map(|multiples| {
-                    let sizes = self
-                        .parameters
-                        .iter()
-                        .map(|own| own.dimension.scale(scales));
-                    multiples
-                        .iter()
-                        .zip(sizes)
-                        .map(|(multiple, size)| multiple * size)
-                        .collect()
-                })
-                .collect(),
+        if let Formula::Equation { .. } = self.formula {
+            return start::values(self, kind, path, scales).unwrap_or_default();
         }
+        let sizes: Vec<f64> = self
+            .parameters
+            .iter()
+            .map(|own| own.dimension.scale(scales))
+            .collect();
+        let starts = self.formula.multiples().iter();
+        let sized = |multiples: &&[f64]| -> Vec<f64> {
+            let pairs = multiples.iter().zip(&sizes);
+            pairs.map(|(multiple, size)| multiple * size).collect()
+        };
+        starts.map(sized).collect()
     }
 }

@@ -6,10 +6,16 @@
 //! ([`worker`]): an FMU that crashes or hangs takes nothing down. [`wrapper`] makes the FMU with the effects inside.
 
 pub mod missing;
+pub mod places;
 pub mod plant;
 pub mod ports;
+#[cfg(test)]
+mod ports_tests;
 pub mod pursuit;
+#[cfg(test)]
+mod pursuit_tests;
 pub mod template;
 pub mod worker;
+mod wrapped_place;
 pub mod wrapper;
 mod wrapper_description;

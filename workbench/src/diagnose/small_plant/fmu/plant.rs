@@ -5,14 +5,15 @@ use std::path::{Path as FilePath, PathBuf};
 use thiserror::Error;
 
 use super::missing::Recorded;
-use super::ports::{Coordinate, Input, Ports};
-use super::pursuit::{Driven, Pursued};
+use super::ports::{Coordinate, Input, Port, Ports};
+use super::pursuit::{Driven, Pursued, PursuedPort};
 use crate::component::{
     ComponentError, Description, Fmu, Kind as ValueKind, Role, Variable, closest,
 };
 use crate::diagnose::small_plant::base::PARAMETERS;
-use crate::diagnose::small_plant::columns::Quantity;
+use crate::diagnose::small_plant::columns::{Column, Quantity};
 use crate::diagnose::small_plant::model_file::SmallModel;
+use crate::diagnose::small_plant::motion::Motion;
 use stickslip::body::{Dimension, Parameter, Path, plain};
 
 /// An FMU and what its ports are.
@@ -22,15 +23,27 @@ pub struct Plant {
     pub file: PathBuf,
     /// What was taken for granted.
     pub notes: Vec<String>,
-    port: (usize, f64),
-    position: Option<(usize, f64)>,
-    velocity: Option<(usize, f64)>,
+    /// The places where a force may be missing.
+    pub places: Vec<Place>,
     /// Inputs with the factor from the column to the FMU's unit.
     inputs: Vec<(usize, Input, f64)>,
     /// Variables that take a coordinate of the first sample, with what one of their unit is in SI units.
     start: Vec<(usize, Coordinate, f64)>,
     /// Uncertain parameters with their standard deviations.
     parameters: Vec<(usize, f64)>,
+}
+
+/// A place where a force may be missing.
+#[derive(Debug, Clone)]
+pub struct Place {
+    /// The port's input: its place among the variables, and what one of its unit is in SI units.
+    pub input: (usize, f64),
+    /// The output of the position there, likewise.
+    pub position: Option<(usize, f64)>,
+    /// The output of the velocity there, likewise.
+    pub velocity: Option<(usize, f64)>,
+    /// Frequency below which forces are compared there, where it has one of its own [Hz].
+    pub cut_off: Option<f64>,
     /// Whether the position was measured, so that the FMU's is to be the same.
     is_absolute: bool,
     /// Whether the velocity was measured, too or alone.
@@ -113,29 +126,15 @@ impl Plant {
             description: Fmu::describe(&fmu)?,
             notes: Vec::new(),
         };
-        let port = &ports.port;
-        if port.position.is_none() && port.velocity.is_none() {
-            return Err(PlantError::Unit {
-                file: file.to_owned(),
-                section: "port",
-                name: port.input.clone(),
-                what: "lacks position and velocity; name the output that is the input's coordinate"
-                    .to_owned(),
+        let mut places = Vec::with_capacity(ports.ports.len());
+        for (at, port) in ports.ports.iter().enumerate() {
+            let of_first = |column: &Option<Column>| at == 0 && column.is_some();
+            places.push(Place {
+                is_absolute: port.measured_position.is_some() || of_first(&model.columns.position),
+                has_velocity: port.measured_velocity.is_some() || of_first(&model.columns.velocity),
+                ..finder.place(port)?
             });
         }
-        let input = finder.variable("port", &port.input, "input", |v| v.role == Role::Input)?;
-        let is_read = |v: &Variable| matches!(v.role, Role::Output | Role::Local);
-        let mut coordinate = |name: &Option<String>, quantity| {
-            name.as_ref()
-                .map(|name| {
-                    let at = finder.variable("port", name, "output", is_read)?;
-                    Ok::<_, PlantError>((at, finder.factor("port", at, quantity)?))
-                })
-                .transpose()
-        };
-        let position = coordinate(&port.position, Quantity::Position)?;
-        let velocity = coordinate(&port.velocity, Quantity::Velocity)?;
-        let port = (input, finder.factor("port", input, Quantity::Force)?);
         let inputs = ports.inputs.iter().map(|(name, input)| {
             let at = finder.variable("inputs", name, "input", |v| v.role == Role::Input)?;
             Ok((at, input.clone(), finder.column_factor(at, input)?))
@@ -161,14 +160,10 @@ impl Plant {
         Ok(Self {
             file: fmu,
             notes: finder.notes,
-            port,
-            position,
-            velocity,
+            places,
             inputs,
             start,
             parameters,
-            is_absolute: model.columns.position.is_some(),
-            has_velocity: model.columns.velocity.is_some(),
         })
     }
 
@@ -177,24 +172,6 @@ impl Plant {
         self.inputs
             .iter()
             .map(|(_, input, _)| input.column.as_str())
-    }
-
-    /// The port's input: its place among the variables, and what one of its unit is in SI units.
-    #[must_use]
-    pub fn port(&self) -> (usize, f64) {
-        self.port
-    }
-
-    /// The output of the position at the port, likewise.
-    #[must_use]
-    pub fn position(&self) -> Option<(usize, f64)> {
-        self.position
-    }
-
-    /// The output of the velocity at the port, likewise.
-    #[must_use]
-    pub fn velocity(&self) -> Option<(usize, f64)> {
-        self.velocity
     }
 
     /// The uncertain parameters' places among the variables, with the values that `model` gives them.
@@ -209,16 +186,65 @@ impl Plant {
         self.parameters.iter().map(|(_, deviation)| *deviation)
     }
 
-    /// What the FMU with these values of its uncertain `parameters` runs after on a record whose readings are `delay` [s] late.
+    /// Inputs whose columns may be off by a constant, by their place among all that columns drive.
+    pub fn offsets(&self) -> impl Iterator<Item = usize> {
+        let all = self.inputs.iter().enumerate();
+        all.filter(|(_, (_, input, _))| input.may_be_offset)
+            .map(|(at, _)| at)
+    }
+
+    /// What the FMU with these values of its uncertain `parameters` runs after on a record whose readings at each port are so much late
+    /// (`delays` [s]); `offset` is an input and what is added to its column.
     #[must_use]
     pub fn pursued(
         &self,
         record: &Recorded,
         parameters: &[f64],
-        delay: f64,
+        delays: &[f64],
+        offset: Option<(usize, f64)>,
         cut_off: f64,
     ) -> Pursued {
-        let Recorded { motion, driven } = record;
+        let own = self.parameters.iter().zip(parameters);
+        let mut settings: Vec<(usize, f64)> = own.map(|((at, _), value)| (*at, *value)).collect();
+        let motions = record.motions.iter().zip(delays);
+        let ports: Vec<PursuedPort> = self
+            .places
+            .iter()
+            .zip(motions)
+            .map(|(place, (motion, delay))| place.pursued(motion, *delay, cut_off))
+            .collect();
+        settings.extend(self.start.iter().map(|(variable, coordinate, unit)| {
+            let first = match coordinate {
+                Coordinate::Position => ports[0].measured_position[0],
+                Coordinate::Velocity => ports[0].measured_velocity[0],
+            };
+            (*variable, first / unit)
+        }));
+        let inputs = self.inputs.iter().zip(&record.driven).enumerate();
+        let inputs = inputs.map(|(at, ((variable, input, factor), values))| {
+            let more = match offset {
+                Some((place, more)) if place == at => more,
+                _ => 0.0,
+            };
+            Driven {
+                variable: *variable,
+                values: values.iter().map(|value| (value + more) * factor).collect(),
+                between: input.between,
+            }
+        });
+        Pursued {
+            settings,
+            inputs: inputs.collect(),
+            begin: record.motions[0].begin,
+            interval: record.motions[0].interval,
+            ports,
+        }
+    }
+}
+
+impl Place {
+    /// What the FMU runs after there.
+    fn pursued(&self, motion: &Motion, delay: f64, cut_off: f64) -> PursuedPort {
         let read = |series: &[f64], slope: &[f64]| -> Vec<f64> {
             let pairs = series.iter().zip(slope);
             pairs.map(|(value, slope)| value + delay * slope).collect()
@@ -228,35 +254,14 @@ impl Plant {
         } else {
             slopes(&motion.position, motion.interval)
         };
-        let position = read(&motion.position, &velocity);
-        let velocity = read(&velocity, &slopes(&velocity, motion.interval));
-        let own = self.parameters.iter().zip(parameters);
-        let mut settings: Vec<(usize, f64)> = own.map(|((at, _), value)| (*at, *value)).collect();
-        settings.extend(self.start.iter().map(|(variable, coordinate, unit)| {
-            let first = match coordinate {
-                Coordinate::Position => position[0],
-                Coordinate::Velocity => velocity[0],
-            };
-            (*variable, first / unit)
-        }));
-        let inputs = self.inputs.iter().zip(driven);
-        let inputs = inputs.map(|((variable, input, factor), values)| Driven {
-            variable: *variable,
-            values: values.iter().map(|value| value * factor).collect(),
-            between: input.between,
-        });
-        Pursued {
-            settings,
-            port: self.port,
+        PursuedPort {
+            input: self.input,
             position: self.position,
             velocity: self.velocity,
-            inputs: inputs.collect(),
-            begin: motion.begin,
-            interval: motion.interval,
-            measured_position: position,
-            measured_velocity: velocity,
+            measured_position: read(&motion.position, &velocity),
+            measured_velocity: read(&velocity, &slopes(&velocity, motion.interval)),
             is_absolute: self.is_absolute,
-            cut_off,
+            cut_off: self.cut_off.unwrap_or(cut_off),
         }
     }
 }
@@ -281,6 +286,43 @@ fn slopes(series: &[f64], interval: f64) -> Vec<f64> {
 }
 
 impl Finder<'_> {
+    /// What a port names.
+    fn place(&mut self, port: &Port) -> Result<Place, PlantError> {
+        if port.position.is_none() && port.velocity.is_none() {
+            return Err(PlantError::Unit {
+                file: self.file.to_owned(),
+                section: "port",
+                name: port.input.clone(),
+                what: "lacks position and velocity; name the output that is the input's coordinate"
+                    .to_owned(),
+            });
+        }
+        let takes_force = |v: &Variable| v.role == Role::Input || v.is_tunable;
+        let input = self.variable(
+            "port",
+            &port.input,
+            "input or tunable parameter",
+            takes_force,
+        )?;
+        let is_read = |v: &Variable| matches!(v.role, Role::Output | Role::Local);
+        let mut output = |name: &Option<String>, quantity| {
+            name.as_ref()
+                .map(|name| {
+                    let at = self.variable("port", name, "output", is_read)?;
+                    Ok::<_, PlantError>((at, self.factor("port", at, quantity)?))
+                })
+                .transpose()
+        };
+        Ok(Place {
+            position: output(&port.position, Quantity::Position)?,
+            velocity: output(&port.velocity, Quantity::Velocity)?,
+            input: (input, self.factor("port", input, Quantity::Force)?),
+            cut_off: port.compare_low_pass,
+            is_absolute: false,
+            has_velocity: false,
+        })
+    }
+
     fn variable(
         &self,
         section: &'static str,
@@ -399,7 +441,7 @@ impl Finder<'_> {
         let is_open = |v: &&Variable| {
             v.role == Role::Input
                 && v.kind == ValueKind::Real
-                && v.name != ports.port.input
+                && ports.ports.iter().all(|port| v.name != port.input)
                 && !ports.inputs.contains_key(&v.name)
                 && v.start.is_none()
         };

@@ -6,13 +6,17 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::diagnose::small_plant::columns::Column;
+
 /// Which FMU it is, and its variables' parts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ports {
     /// The FMU's file, where the model file names it.
     pub fmu: Option<PathBuf>,
-    /// Where a missing force acts.
-    pub port: Port,
+    /// Where a missing force may act: one place, or several.
+    pub ports: Vec<Port>,
+    /// Uncertain parameters that may change with time.
+    pub drifts: Vec<String>,
     /// Inputs that a column drives, by name.
     pub inputs: BTreeMap<String, Input>,
     /// Variables that take the first measured position or velocity, by name.
@@ -23,12 +27,23 @@ pub struct Ports {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Port {
-    /// Input for a force or torque.
+    /// Name of the place, where there are several.
+    pub name: Option<String>,
+    /// Input for a force or torque, or parameter that may change between steps.
     pub input: String,
     /// Output: position where it acts.
     pub position: Option<String>,
     /// Output: velocity where it acts.
     pub velocity: Option<String>,
+    /// Column of the measured position there; that of the first port stands in `[columns]`.
+    pub measured_position: Option<Column>,
+    /// Column of the measured velocity, likewise.
+    pub measured_velocity: Option<Column>,
+    /// How often per turn teeth, poles or rollers repeat there.
+    #[serde(default)]
+    pub repeats: Vec<f64>,
+    /// Cut-off below which forces are compared there, where it is not that of `[measurement]` [Hz].
+    pub compare_low_pass: Option<f64>,
     /// Inertia that the input moves at once [kg or kg m²], as `diagnose` found it; negative where a positive input pushes backward.
     pub inertia: Option<f64>,
     /// The longest step over which an added effect's force is constant [s].
@@ -47,6 +62,9 @@ pub struct Input {
     pub factor: Option<f64>,
     /// What the input does between two samples.
     pub between: Between,
+    /// Whether the column may be off by a constant.
+    #[serde(default)]
+    pub may_be_offset: bool,
 }
 
 /// What an input does between two samples.
@@ -77,24 +95,12 @@ impl Ports {
         if let Some(fmu) = &self.fmu {
             let _ = writeln!(text, "fmu = {:?}", fmu.display().to_string());
         }
-        let _ = writeln!(text, "\n[port]\ninput = {:?}", self.port.input);
-        let coordinates = [
-            ("position", &self.port.position),
-            ("velocity", &self.port.velocity),
-        ];
-        for (key, output) in coordinates {
-            if let Some(output) = output {
-                let _ = writeln!(text, "{key} = {output:?}");
-            }
-        }
-        let numbers = [
-            ("inertia", self.port.inertia),
-            ("coupling_step", self.port.coupling_step),
-        ];
-        for (key, number) in numbers {
-            if let Some(number) = number {
-                let _ = writeln!(text, "{key} = {number:?}");
-            }
+        let head = match self.ports.len() {
+            1 => "[port]",
+            _ => "[[port]]",
+        };
+        for port in &self.ports {
+            let _ = write!(text, "\n{head}\n{}", port.to_toml());
         }
         text.push_str("\n[inputs]\n");
         for (name, input) in &self.inputs {
@@ -107,11 +113,19 @@ impl Ports {
             };
             let _ = writeln!(
                 text,
-                "{} = {{ column = {:?}, unit = {:?}{factor}, between = \"{between}\" }}",
+                "{} = {{ column = {:?}, unit = {:?}{factor}, between = \"{between}\"{} }}",
                 key(name),
                 input.column,
-                input.unit
+                input.unit,
+                if input.may_be_offset {
+                    ", may_be_offset = true"
+                } else {
+                    ""
+                }
             );
+        }
+        if !self.drifts.is_empty() {
+            let _ = writeln!(text, "\n[drifts]\nparameters = {:?}", self.drifts);
         }
         if !self.start.is_empty() {
             text.push_str("\n[start]\n");
@@ -122,6 +136,47 @@ impl Ports {
                 Coordinate::Velocity => "velocity",
             };
             let _ = writeln!(text, "{} = \"{word}\"", key(name));
+        }
+        text
+    }
+}
+
+impl Port {
+    /// What stands below the section's head.
+    fn to_toml(&self) -> String {
+        let mut text = String::new();
+        let names = [
+            ("name", self.name.as_ref()),
+            ("input", Some(&self.input)),
+            ("position", self.position.as_ref()),
+            ("velocity", self.velocity.as_ref()),
+        ];
+        for (key, name) in names {
+            if let Some(name) = name {
+                let _ = writeln!(text, "{key} = {name:?}");
+            }
+        }
+        let columns = [
+            ("measured_position", &self.measured_position),
+            ("measured_velocity", &self.measured_velocity),
+        ];
+        for (key, column) in columns {
+            if let Some(column) = column {
+                let _ = writeln!(text, "{key} = {}", column.to_toml());
+            }
+        }
+        if !self.repeats.is_empty() {
+            let _ = writeln!(text, "repeats = {:?}", self.repeats);
+        }
+        let numbers = [
+            ("compare_low_pass", self.compare_low_pass),
+            ("inertia", self.inertia),
+            ("coupling_step", self.coupling_step),
+        ];
+        for (key, number) in numbers {
+            if let Some(number) = number {
+                let _ = writeln!(text, "{key} = {number:?}");
+            }
         }
         text
     }

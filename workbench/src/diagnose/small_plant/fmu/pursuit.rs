@@ -1,4 +1,4 @@
-//! An FMU in pursuit of a record: a controller at its port pushes it along the measured motion.
+//! An FMU in pursuit of a record: a controller at each of its ports pushes it along the measured motion.
 //!
 //! The controller is proportional and derivative, tuned to the inertia that the port shows at short times. What it adds in one pass
 //! the next pass has from the start, so that its own lag shrinks as (1 − T)ⁿ, where T is the closed loop and n the number of passes.
@@ -30,18 +30,25 @@ const PUSHES: usize = 60;
 pub struct Pursued {
     /// Variables set before the run, with their values in the FMU's units.
     pub settings: Vec<(usize, f64)>,
-    /// The input at which the missing force acts, and what one unit of its own is in N or N m.
-    pub port: (usize, f64),
-    /// Output of position and what one of its unit is in m or rad.
-    pub position: Option<(usize, f64)>,
-    /// Output of velocity and what one of its unit is in m/s or rad/s.
-    pub velocity: Option<(usize, f64)>,
+    /// The places where a force may be missing.
+    pub ports: Vec<PursuedPort>,
     /// Inputs with their values at the samples, in the FMU's units.
     pub inputs: Vec<Driven>,
     /// Time of the first sample [s].
     pub begin: f64,
     /// Time between samples [s].
     pub interval: f64,
+}
+
+/// A place where a force may be missing, and the motion there.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct PursuedPort {
+    /// The input at which the missing force acts, and what one unit of its own is in N or N m.
+    pub input: (usize, f64),
+    /// Output of position and what one of its unit is in m or rad.
+    pub position: Option<(usize, f64)>,
+    /// Output of velocity and what one of its unit is in m/s or rad/s.
+    pub velocity: Option<(usize, f64)>,
     /// Measured position [m or rad].
     pub measured_position: Vec<f64>,
     /// Measured velocity [m/s or rad/s].
@@ -63,7 +70,7 @@ pub struct Driven {
     pub between: Between,
 }
 
-/// What a pursuit came to.
+/// What a pursuit came to at one port.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Pursuit {
     /// Force that moves the FMU as was measured, at each sample [N or N m].
@@ -86,9 +93,11 @@ pub enum PursuitError {
     Component(#[from] ComponentError),
     /// The port moves nothing.
     #[error(
-        "no force at the port moves its coordinate: up to {most:e} was tried; name the input that acts where the output is"
+        "no force at the port{place} moves its coordinate: up to {most:e} was tried; name the input that acts where the output is"
     )]
     NothingMoves {
+        /// The port's number, where there are several, with a blank before it.
+        place: String,
         /// The largest force that was tried.
         most: f64,
     },
@@ -100,7 +109,7 @@ pub enum PursuitError {
     },
 }
 
-/// Runs `component` after a record; `tell` hears of the time that was reached.
+/// Runs `component` after a record; `tell` hears of the time that was reached. The answer has a part for each port.
 ///
 /// # Errors
 /// [`PursuitError`].
@@ -108,19 +117,32 @@ pub fn pursue(
     component: &mut dyn Component,
     pursued: &Pursued,
     tell: &mut dyn FnMut(f64),
-) -> Result<Pursuit, PursuitError> {
+) -> Result<Vec<Pursuit>, PursuitError> {
     let mut chase = Chase::new(component, pursued);
-    let inertia = chase.inertia(tell)?;
-    let mut course = chase.pass(inertia, &vec![0.0; chase.steps()], tell)?;
-    let smooth = LowPass::new(BANDWIDTH * pursued.cut_off, 4, chase.step);
+    let places = 0..pursued.ports.len();
+    let inertias = places
+        .clone()
+        .map(|place| chase.inertia(place, tell))
+        .collect::<Result<Vec<f64>, PursuitError>>()?;
+    let nothing: Vec<Vec<f64>> = vec![vec![0.0; chase.steps()]; inertias.len()];
+    let mut courses = chase.pass(&inertias, &nothing, tell)?;
     for _ in 1..PASSES {
-        let ahead = smooth.apply(&course.force);
-        course = chase.pass(inertia, &ahead, tell)?;
+        let ahead: Vec<Vec<f64>> = courses
+            .iter()
+            .zip(&pursued.ports)
+            .map(|(course, port)| {
+                LowPass::new(BANDWIDTH * port.cut_off, 4, chase.step).apply(&course.force)
+            })
+            .collect();
+        courses = chase.pass(&inertias, &ahead, tell)?;
     }
-    Ok(course.sampled(inertia, chase.substeps, chase.step))
+    let of_ports = courses.iter().zip(inertias);
+    Ok(of_ports
+        .map(|(course, inertia)| course.sampled(inertia, chase.substeps, chase.step))
+        .collect())
 }
 
-/// Force and motion in steps of the controller.
+/// Force and motion at a port in steps of the controller.
 struct Course {
     /// Force over each step.
     force: Vec<f64>,
@@ -177,20 +199,20 @@ pub fn substeps(interval: f64, cut_off: f64) -> (usize, f64) {
     (count as usize, interval / count)
 }
 
-/// A controller and what it controls.
+/// The controllers and what they control.
 struct Chase<'a> {
     component: &'a mut dyn Component,
     pursued: &'a Pursued,
     outputs: Vec<usize>,
-    /// Angular frequency of the closed loop [rad/s].
-    bandwidth: f64,
+    /// Angular frequency of each port's closed loop [rad/s].
+    bandwidths: Vec<f64>,
     substeps: usize,
     step: f64,
     is_begun: bool,
 }
 
-/// The FMU's motion at one time.
-#[derive(Clone, Copy)]
+/// The FMU's motion at a port at one time.
+#[derive(Clone, Copy, Default)]
 struct Moved {
     position: f64,
     velocity: f64,
@@ -198,13 +220,17 @@ struct Moved {
 
 impl<'a> Chase<'a> {
     fn new(component: &'a mut dyn Component, pursued: &'a Pursued) -> Self {
-        let (substeps, step) = substeps(pursued.interval, pursued.cut_off);
-        let outputs = [pursued.position, pursued.velocity];
+        let ports = pursued.ports.iter();
+        let fastest = ports.clone().map(|port| port.cut_off).fold(0.0, f64::max);
+        let (substeps, step) = substeps(pursued.interval, fastest);
+        let outputs = ports
+            .clone()
+            .flat_map(|port| [port.position, port.velocity]);
         Self {
             component,
             pursued,
-            outputs: outputs.iter().flatten().map(|(at, _)| *at).collect(),
-            bandwidth: TAU * BANDWIDTH * pursued.cut_off,
+            outputs: outputs.flatten().map(|(at, _)| at).collect(),
+            bandwidths: ports.map(|port| TAU * BANDWIDTH * port.cut_off).collect(),
             substeps,
             step,
             is_begun: false,
@@ -212,7 +238,9 @@ impl<'a> Chase<'a> {
     }
 
     fn steps(&self) -> usize {
-        self.pursued.measured_position.len().saturating_sub(1) * self.substeps
+        let samples = self.pursued.ports.iter();
+        let samples = samples.map(|port| port.measured_position.len()).min();
+        samples.unwrap_or(0).saturating_sub(1) * self.substeps
     }
 
     fn time(&self, step: usize) -> f64 {
@@ -226,18 +254,20 @@ impl<'a> Chase<'a> {
         }
         self.is_begun = true;
         self.component.set(&self.pursued.settings)?;
-        self.set_inputs(0, 0.0)?;
+        self.set_inputs(0, &vec![0.0; self.bandwidths.len()])?;
         self.component
             .initialise(self.time(0), self.time(self.steps()))
     }
 
-    /// Sets the recorded inputs over a step, and the force.
-    fn set_inputs(&mut self, step: usize, force: f64) -> Result<(), ComponentError> {
+    /// Sets the recorded inputs over a step, and the forces.
+    fn set_inputs(&mut self, step: usize, forces: &[f64]) -> Result<(), ComponentError> {
         let (sample, part) = (step / self.substeps, step % self.substeps);
         // In the middle of the step a straight line has its mean over it.
         let part = (part as f64 + 0.5) / self.substeps as f64;
-        let (port, unit) = self.pursued.port;
-        let mut values = vec![(port, force / unit)];
+        let ports = self.pursued.ports.iter().zip(forces);
+        let mut values: Vec<(usize, f64)> = ports
+            .map(|(port, force)| (port.input.0, force / port.input.1))
+            .collect();
         for input in &self.pursued.inputs {
             let from = input.values[sample];
             let to = input.values[(sample + 1).min(input.values.len() - 1)];
@@ -257,8 +287,8 @@ impl<'a> Chase<'a> {
         self.component.step(from, to)
     }
 
-    /// The motion after `step` steps, given that one step earlier.
-    fn moved(&mut self, step: usize, before: Option<Moved>) -> Result<Moved, PursuitError> {
+    /// The motion at each port after `step` steps, given that one step earlier.
+    fn moved(&mut self, step: usize, before: Option<&[Moved]>) -> Result<Vec<Moved>, PursuitError> {
         let mut values = vec![0.0; self.outputs.len()];
         self.component.get(&self.outputs, &mut values)?;
         let time = self.time(step);
@@ -267,112 +297,138 @@ impl<'a> Chase<'a> {
         }
         let mut values = values.into_iter();
         let mut read = |output: Option<(usize, f64)>| Some(output?.1 * values.next()?);
-        let position = read(self.pursued.position);
-        let velocity = read(self.pursued.velocity);
-        Ok(match (position, velocity, before) {
-            (Some(position), Some(velocity), _) => Moved { position, velocity },
-            (Some(position), None, Some(before)) => Moved {
-                position,
-                velocity: (position - before.position) / self.step,
-            },
-            (Some(position), None, None) => Moved {
-                position,
-                velocity: self.pursued.measured_velocity[0],
-            },
-            (None, velocity, before) => {
-                let velocity = velocity.unwrap_or(0.0);
-                let position = before.map_or(0.0, |before| {
-                    before.position + 0.5 * self.step * (before.velocity + velocity)
-                });
-                Moved { position, velocity }
-            }
-        })
+        let mut all = Vec::with_capacity(self.bandwidths.len());
+        for (place, port) in self.pursued.ports.iter().enumerate() {
+            let position = read(port.position);
+            let velocity = read(port.velocity);
+            let before = before.map(|all| all[place]);
+            let (position, velocity) = match (position, velocity, before) {
+                (Some(position), Some(velocity), _) => (position, velocity),
+                (Some(position), None, Some(before)) => {
+                    (position, (position - before.position) / self.step)
+                }
+                (Some(position), None, None) => (position, port.measured_velocity[0]),
+                (None, velocity, before) => {
+                    let velocity = velocity.unwrap_or(0.0);
+                    let position = before.map_or(0.0, |before| {
+                        before.position + 0.5 * self.step * (before.velocity + velocity)
+                    });
+                    (position, velocity)
+                }
+            };
+            all.push(Moved { position, velocity });
+        }
+        Ok(all)
     }
 
-    /// Inertia that the port shows at the first instant [kg or kg m²]; negative where it pushes backward.
-    fn inertia(&mut self, tell: &mut dyn FnMut(f64)) -> Result<f64, PursuitError> {
-        let speeds = &self.pursued.measured_velocity;
+    /// Inertia that a port shows at the first instant [kg or kg m²]; negative where it pushes backward.
+    fn inertia(&mut self, place: usize, tell: &mut dyn FnMut(f64)) -> Result<f64, PursuitError> {
+        let speeds = &self.pursued.ports[place].measured_velocity;
         let speed = (speeds.iter().map(|v| v * v).sum::<f64>() / speeds.len() as f64).sqrt();
-        let still = self.pushed(0.0)?;
+        let still = self.pushed(place, 0.0)?;
         let mut before = (0.0, 0.0);
         // From far below any plant's forces to far beyond: the first that outruns the record's motion is hard enough.
         let mut force = GENTLE;
         for _ in 0..PUSHES {
             tell(self.time(0));
-            let gained = self.pushed(force)? - still;
-            if gained.abs() > speed * self.bandwidth {
+            let gained = self.pushed(place, force)? - still;
+            if gained.abs() > speed * self.bandwidths[place] {
                 let (weaker, less) = before;
                 return Ok((force - weaker) / (gained - less));
             }
             before = (force, gained);
             force *= HARDER;
         }
-        Err(PursuitError::NothingMoves { most: force })
+        Err(PursuitError::NothingMoves {
+            place: match self.bandwidths.len() {
+                1 => String::new(),
+                _ => format!(" number {}", place + 1),
+            },
+            most: force,
+        })
     }
 
-    /// Acceleration at the first instant under a constant force, from the velocities after one step and after two: what grows with the
-    /// velocity cancels.
-    fn pushed(&mut self, force: f64) -> Result<f64, PursuitError> {
+    /// Acceleration at the first instant under a constant force at one port, from the velocities after one step and after two: what
+    /// grows with the velocity cancels.
+    fn pushed(&mut self, place: usize, force: f64) -> Result<f64, PursuitError> {
         self.begin()?;
+        let mut forces = vec![0.0; self.bandwidths.len()];
+        forces[place] = force;
         let mut course = vec![self.moved(0, None)?];
         for step in 0..2 {
-            self.set_inputs(step, force)?;
+            self.set_inputs(step, &forces)?;
             self.step(step)?;
-            course.push(self.moved(step + 1, course.last().copied())?);
+            let moved = self.moved(step + 1, course.last().map(Vec::as_slice))?;
+            course.push(moved);
         }
-        let gained = |at: usize| course[at].velocity - course[0].velocity;
+        let gained = |at: usize| course[at][place].velocity - course[0][place].velocity;
         Ok((4.0 * gained(1) - gained(2)) / (2.0 * self.step))
     }
 
     /// One pass over the record.
     fn pass(
         &mut self,
-        inertia: f64,
-        ahead: &[f64],
+        inertias: &[f64],
+        ahead: &[Vec<f64>],
         tell: &mut dyn FnMut(f64),
-    ) -> Result<Course, PursuitError> {
+    ) -> Result<Vec<Course>, PursuitError> {
         self.begin()?;
-        let Pursued {
-            measured_position,
-            measured_velocity,
-            is_absolute,
-            ..
-        } = self.pursued;
+        let pursued = self.pursued;
+        let steps = self.steps();
         let mut moved = self.moved(0, None)?;
-        let away = if *is_absolute && self.pursued.position.is_some() {
-            0.0
-        } else {
-            moved.position - measured_position[0]
-        };
-        let stiffness = inertia * self.bandwidth * self.bandwidth;
-        let drag = inertia * 2.0 * DAMPING * self.bandwidth;
-        let mut course = Course {
-            force: Vec::with_capacity(self.steps()),
-            motion: vec![moved],
-        };
-        for (step, ahead) in ahead.iter().enumerate() {
+        let away: Vec<f64> = pursued
+            .ports
+            .iter()
+            .zip(&moved)
+            .map(|(port, moved)| {
+                if port.is_absolute && port.position.is_some() {
+                    0.0
+                } else {
+                    moved.position - port.measured_position[0]
+                }
+            })
+            .collect();
+        let mut courses: Vec<Course> = moved
+            .iter()
+            .map(|own| Course {
+                force: Vec::with_capacity(steps),
+                motion: vec![*own],
+            })
+            .collect();
+        let mut forces = vec![0.0; courses.len()];
+        for step in 0..steps {
             let (sample, part) = (step / self.substeps, step % self.substeps);
             let part = part as f64 / self.substeps as f64;
             let ends = |series: &[f64]| [series[sample], series[sample + 1]];
-            let wanted = between(
-                ends(measured_position),
-                ends(measured_velocity),
-                self.pursued.interval,
-                part,
-            );
-            let force = ahead
-                + stiffness * (wanted.position + away - moved.position)
-                + drag * (wanted.velocity - moved.velocity);
-            self.set_inputs(step, force)?;
+            for (place, port) in pursued.ports.iter().enumerate() {
+                let wanted = between(
+                    ends(&port.measured_position),
+                    ends(&port.measured_velocity),
+                    pursued.interval,
+                    part,
+                );
+                let (inertia, bandwidth) = (inertias[place], self.bandwidths[place]);
+                let stiffness = inertia * bandwidth * bandwidth;
+                let drag = inertia * 2.0 * DAMPING * bandwidth;
+                let own = moved[place];
+                forces[place] = ahead[place][step]
+                    + stiffness * (wanted.position + away[place] - own.position)
+                    + drag * (wanted.velocity - own.velocity);
+            }
+            self.set_inputs(step, &forces)?;
             self.step(step)?;
-            moved = self.moved(step + 1, Some(moved))?;
-            course.force.push(force);
-            course.motion.push(moved);
+            moved = self.moved(step + 1, Some(&moved))?;
+            for ((course, force), own) in courses.iter_mut().zip(&forces).zip(&moved) {
+                course.force.push(*force);
+                course.motion.push(*own);
+            }
             tell(self.time(step + 1));
         }
-        for own in &mut course.motion {
-            own.position -= away;
+        for (course, away) in courses.iter_mut().zip(away) {
+            for own in &mut course.motion {
+                own.position -= away;
+            }
         }
-        Ok(course)
+        Ok(courses)
     }
 }

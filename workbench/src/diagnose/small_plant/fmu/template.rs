@@ -8,6 +8,7 @@ use clap::Args;
 use super::ports::key;
 use crate::cli::Outcome;
 use crate::component::{Description, Fmu, Kind, Role, Variable};
+use crate::diagnose::small_plant::term::MOST_PARAMETERS;
 use crate::files::atomic;
 
 /// Arguments of `ports`.
@@ -60,7 +61,10 @@ pub fn text(fmu: &Path, description: &Description) -> String {
         };
         real.iter().filter(fits).copied().collect()
     };
-    let forces = of(Role::Input, &FORCES);
+    // A parameter that may change between steps does as well as an input.
+    let mut forces = of(Role::Input, &FORCES);
+    let takes_force = |v: &&&Variable| v.is_tunable && FORCES.contains(&v.unit.as_str());
+    forces.extend(real.iter().filter(takes_force).copied());
     let turns = real
         .iter()
         .any(|v| v.role == Role::Output && TURNING.contains(&v.unit.as_str()));
@@ -72,7 +76,7 @@ pub fn text(fmu: &Path, description: &Description) -> String {
         fmu.display(),
         if turns { "turn" } else { "line" }
     );
-    text.push_str("\n# Input for a force or torque, and the outputs that are position and velocity where it acts.\n[port]\n");
+    text.push_str("\n# Input or tunable parameter for a force or torque, and the outputs that are position and velocity where it acts. Several places: one\n# [[port]] with a name for each.\n[port]\n");
     let _ = writeln!(text, "input = {}", choice(&forces, &of(Role::Input, &[])));
     let outputs = of(Role::Output, &[]);
     for (word, units) in [("position", &POSITIONS[..]), ("velocity", &VELOCITIES[..])] {
@@ -108,7 +112,10 @@ pub fn text(fmu: &Path, description: &Description) -> String {
          edge = 0.5  # [s] left aside at both ends: until the FMU's start is forgotten\n\
          standstill_speed = 0.01  # below this the plant counts as standing; above the noise of the velocity\n",
     );
-    text.push_str("\n# Parameters that are uncertain, at most eight, with one standard deviation over the value.\n[parameters]\n");
+    let _ = writeln!(
+        text,
+        "\n# Parameters that are uncertain, at most {MOST_PARAMETERS}, with one standard deviation over the value.\n[parameters]"
+    );
     for parameter in of(Role::Parameter, &[]) {
         let unit = if parameter.unit.is_empty() {
             "1"

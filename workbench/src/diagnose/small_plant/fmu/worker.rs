@@ -86,7 +86,7 @@ struct Job {
 
 #[derive(Serialize, Deserialize)]
 enum Answer {
-    Done(Pursuit),
+    Done(Vec<Pursuit>),
     Failed(String),
 }
 
@@ -94,7 +94,7 @@ enum Answer {
 ///
 /// # Errors
 /// [`WorkerError`].
-pub fn run(fmu: &Path, pursued: Pursued, record: &str) -> Result<Pursuit, WorkerError> {
+pub fn run(fmu: &Path, pursued: Pursued, record: &str) -> Result<Vec<Pursuit>, WorkerError> {
     let name = fmu.display().to_string();
     let directory = tempfile::tempdir()?;
     let begin = pursued.begin;

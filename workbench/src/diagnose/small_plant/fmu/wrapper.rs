@@ -11,6 +11,7 @@ use stickslip::cosim::Token;
 use thiserror::Error;
 
 use super::plant::{Plant, PlantError};
+use super::wrapped_place::place_of;
 use super::wrapper_description::{Abilities, Added, Changes, abilities, changed};
 use crate::component::{Archive, ArchiveError, ComponentError, Description, FmiVersion};
 use crate::diagnose::report::markup::escape;
@@ -50,6 +51,19 @@ pub enum WrapperError {
         file: String,
         /// The key.
         key: &'static str,
+    },
+    /// An effect that does not act through one port alone.
+    #[error(
+        "{file}: {effect} {what}; an FMU can have the effects of one port, with forces over time and the motion there. Leave it out, \
+         or build it into the FMU itself"
+    )]
+    Elsewhere {
+        /// The ports file.
+        file: String,
+        /// The effect.
+        effect: &'static str,
+        /// Where it acts.
+        what: &'static str,
     },
     /// A number that cannot be.
     #[error("{file}: [port] {key} = {value} must be {expected}")]
@@ -131,7 +145,10 @@ pub fn build(
         }
         .into());
     };
+    let at = place_of(model, file)?;
+    let port = &ports.ports[at];
     let plant = Plant::find(model, ports, file, directory)?;
+    let place = &plant.places[at];
     let archive = Archive::unpack(&plant.file)?;
     let bytes = read(&archive.directory().join(DESCRIPTION))?;
     let text = String::from_utf8_lossy(&bytes).into_owned();
@@ -150,14 +167,11 @@ pub fn build(
         value,
         expected,
     };
-    let inertia = ports.port.inertia.ok_or_else(|| lacks("inertia"))?;
+    let inertia = port.inertia.ok_or_else(|| lacks("inertia"))?;
     if !inertia.is_finite() || inertia == 0.0 {
         return Err(wrong("inertia", inertia, "a finite number other than 0"));
     }
-    let step = ports
-        .port
-        .coupling_step
-        .ok_or_else(|| lacks("coupling_step"))?;
+    let step = port.coupling_step.ok_or_else(|| lacks("coupling_step"))?;
     if !(step.is_finite() && step > 0.0) {
         return Err(wrong("coupling_step", step, "a number above 0 [s]"));
     }
@@ -178,7 +192,7 @@ pub fn build(
         "s",
         step,
     );
-    let force_unit = &original.description.variables[plant.port().0].unit;
+    let force_unit = &original.description.variables[place.input.0].unit;
     let force = making.computed(
         "force",
         "force that the effects add to the port's input",
@@ -213,10 +227,10 @@ pub fn build(
             .map(|(at, value)| (reference(*at), *value))
             .collect(),
         port: WrappedPort {
-            input: placed(plant.port()),
-            start: variables[plant.port().0].start.unwrap_or(0.0),
-            position: plant.position().map(placed),
-            velocity: plant.velocity().map(placed),
+            input: placed(place.input),
+            start: variables[place.input.0].start.unwrap_or(0.0),
+            position: place.position.map(placed),
+            velocity: place.velocity.map(placed),
             inertia,
         },
         coupling_step,

@@ -1,0 +1,116 @@
+//! A pursuit at two ports finds the force at each, on two masses with a spring between them.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use super::pursuit::{Pursued, PursuedPort, pursue};
+use crate::component::{Component, ComponentError, Variable};
+
+const MASSES: [f64; 2] = [1.0, 2.0];
+const STIFFNESS: f64 = 30.0;
+const INTERVAL: f64 = 0.01;
+
+/// Two masses with a spring between them: forces 0 and 1, positions 2 and 3, velocities 4 and 5.
+#[derive(Default)]
+struct Masses {
+    values: [f64; 6],
+}
+
+impl Component for Masses {
+    fn title(&self) -> String {
+        "two masses".to_owned()
+    }
+
+    fn variables(&self) -> &[Variable] {
+        &[]
+    }
+
+    fn set(&mut self, values: &[(usize, f64)]) -> Result<(), ComponentError> {
+        for (at, value) in values {
+            self.values[*at] = *value;
+        }
+        Ok(())
+    }
+
+    fn initialise(&mut self, _: f64, _: f64) -> Result<(), ComponentError> {
+        Ok(())
+    }
+
+    fn reset(&mut self) -> Result<(), ComponentError> {
+        self.values = [0.0; 6];
+        Ok(())
+    }
+
+    fn get(&mut self, positions: &[usize], values: &mut [f64]) -> Result<(), ComponentError> {
+        for (value, at) in values.iter_mut().zip(positions) {
+            *value = self.values[*at];
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, from: f64, to: f64) -> Result<(), ComponentError> {
+        let h = (to - from) / 20.0;
+        for _ in 0..20 {
+            let spring = STIFFNESS * (self.values[2] - self.values[3]);
+            for (at, pull) in [-spring, spring].into_iter().enumerate() {
+                self.values[4 + at] += h * (self.values[at] + pull) / MASSES[at];
+                self.values[2 + at] += h * self.values[4 + at];
+            }
+        }
+        Ok(())
+    }
+
+    fn switches(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// Position, velocity and acceleration at each mass: the second has rest to begin with, as the first has.
+fn motion(time: f64) -> [[f64; 3]; 2] {
+    let wave = |size: f64, rate: f64| {
+        let (sine, cosine) = (rate * time).sin_cos();
+        [
+            size * (1.0 - cosine),
+            size * rate * sine,
+            size * rate * rate * cosine,
+        ]
+    };
+    [wave(0.1, 5.0), wave(0.3, 3.0)]
+}
+
+#[test]
+fn the_force_at_each_port_is_what_moves_it_against_the_other() {
+    let count = 800;
+    let times = || (0..count).map(|at| f64::from(at) * INTERVAL);
+    let port = |at: usize| PursuedPort {
+        input: (at, 1.0),
+        position: Some((2 + at, 1.0)),
+        velocity: Some((4 + at, 1.0)),
+        measured_position: times().map(|t| motion(t)[at][0]).collect(),
+        measured_velocity: times().map(|t| motion(t)[at][1]).collect(),
+        is_absolute: true,
+        cut_off: 8.0,
+    };
+    let pursued = Pursued {
+        settings: Vec::new(),
+        ports: vec![port(0), port(1)],
+        inputs: Vec::new(),
+        begin: 0.0,
+        interval: INTERVAL,
+    };
+    let found = pursue(&mut Masses::default(), &pursued, &mut |_| {}).unwrap();
+    for (own, mass) in found.iter().zip(MASSES) {
+        assert!((own.inertia / mass - 1.0).abs() < 0.02, "{}", own.inertia);
+    }
+    for (at, time) in times().enumerate().skip(100).take(600) {
+        let [one, other] = motion(time);
+        let spring = STIFFNESS * (one[0] - other[0]);
+        let wanted = [MASSES[0] * one[2] + spring, MASSES[1] * other[2] - spring];
+        for (own, wanted) in found.iter().zip(wanted) {
+            assert!(
+                (own.force[at] - wanted).abs() < 0.1,
+                "{time} s: {} {wanted}",
+                own.force[at]
+            );
+        }
+    }
+}
