@@ -17,11 +17,11 @@ use crate::data::{Data, reduced};
 use crate::evidence::Told;
 use crate::fit::{Fit, STEPS};
 use crate::marginal::Disturbance;
-use crate::policy::LN_PRIOR_ODDS;
+use crate::policy::{FAR, LN_PRIOR_ODDS};
 use crate::problem::Problem;
 use crate::structure::evidence;
 use crate::window::Start;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Distances over which a function may change, as shares of the coordinate's range.
 const REACHES: [f64; 4] = [0.04, 0.08, 0.16, 0.4];
@@ -54,15 +54,31 @@ pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> O
     progress("what a free function explains");
     let long = &problem.long;
     // Fluctuating friction stands in for what is missing: the function is learned as if there were none.
-    let data = long.clone().finely_divided().with_motor_torques();
-    let hypothesis = base.hypothesis.clone();
-    let starts = without_torques(&base.starts);
-    let base = Fit::at(&data, hypothesis, starts, Disturbance::NONE).improved_calmly(&data, CLOSER);
+    let [short, data] =
+        [&problem.short, long].map(|data| data.clone().finely_divided().with_motor_torques());
+    let begun = |data: &Data, starts: Vec<Start>| {
+        Fit::at(data, base.hypothesis.clone(), starts, Disturbance::NONE)
+            .improved_calmly(data, CLOSER)
+    };
+    let base = begun(&data, without_torques(&base.starts));
     let without = base.told(&data);
+    // Over short windows even a wrong model stays near the motion, so that a step tells what a function will do.
+    let is_far = base.misfit(&data) > FAR;
+    let (first, fit) = if is_far {
+        (&short, &begun(&short, short.anchors()))
+    } else {
+        (&data, &base)
+    };
     let mut best: Option<(Told, State, Basis<'_>, DMatrix<f64>)> = None;
-    for (_, basis, root) in looks(problem, &data, &base) {
+    for (_, basis, root) in looks(problem, first, fit) {
         progress(&basis.family.name());
-        let Some(state) = fitted(&basis, &data, &root, &base) else {
+        let nothing = (fit.hypothesis.clone(), DVector::zeros(KNOTS));
+        let mut state = fitted(&basis, first, &root, nothing, fit.starts.clone());
+        if is_far {
+            let carried = |near: State| fitted(&basis, &data, &root, near.values(), data.anchors());
+            state = state.and_then(carried);
+        }
+        let Some(state) = state else {
             continue;
         };
         let told = state.told(&data);

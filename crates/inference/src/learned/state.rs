@@ -35,14 +35,13 @@ impl State {
         root: &DMatrix<f64>,
         (hypothesis, weights): (Hypothesis, DVector<f64>),
         starts: Vec<Start>,
-        disturbance: Disturbance,
     ) -> Option<Self> {
         let values: Vec<f64> = (root * &weights).iter().copied().collect();
         let mut own = hypothesis;
         own.rig = basis.table(&values).added_to(&basis.problem.rig)?;
         let grams = grams(data, &own, &starts);
         let augmented = basis.augmented(&grams, &values);
-        let forms = reduced(data, &starts, &augmented, &disturbance);
+        let forms = reduced(data, &starts, &augmented, &Disturbance::NONE);
         let forms = in_weights(&forms, own.dimension(), root);
         let loss = loss::total(&forms, &own) + weights.norm_squared();
         Some(Self {
@@ -50,7 +49,7 @@ impl State {
                 hypothesis: own,
                 starts,
                 grams,
-                disturbance,
+                disturbance: Disturbance::NONE,
                 loss,
                 is_converged: false,
             },
@@ -66,6 +65,11 @@ impl State {
         precisions.extend(self.weights.iter().map(|_| 1.0));
         x.extend(self.weights.iter());
         (precisions, x)
+    }
+
+    /// The free numbers and the weights.
+    pub(super) fn values(&self) -> (Hypothesis, DVector<f64>) {
+        (self.fit.hypothesis.clone(), self.weights.clone())
     }
 
     /// Log evidence, window by window.
@@ -107,15 +111,7 @@ impl State {
                 None => start.clone(),
             })
             .collect();
-        let disturbance = self.fit.disturbance;
-        Self::at(
-            basis,
-            data,
-            root,
-            (hypothesis, weights),
-            starts,
-            disturbance,
-        )
+        Self::at(basis, data, root, (hypothesis, weights), starts)
     }
 }
 
@@ -132,21 +128,15 @@ pub(super) fn in_weights(
     forms.iter().map(|form| form.as_ref().map(mapped)).collect()
 }
 
-/// The fit of a function on top of `base`, where friction fluctuates as much as there.
+/// The fit of a function, begun at these values of the free numbers and weights and from these starts of the windows.
 pub(super) fn fitted(
     basis: &Basis<'_>,
     data: &Data,
     root: &DMatrix<f64>,
-    base: &Fit,
+    values: (Hypothesis, DVector<f64>),
+    starts: Vec<Start>,
 ) -> Option<State> {
-    let mut state = State::at(
-        basis,
-        data,
-        root,
-        (base.hypothesis.clone(), DVector::zeros(KNOTS)),
-        base.starts.clone(),
-        base.disturbance,
-    )?;
+    let mut state = State::at(basis, data, root, values, starts)?;
     let mut share = 1.0;
     for _ in 0..MOST_STEPS {
         let trial = state.stepped(basis, data, root, share);
