@@ -6,7 +6,6 @@
 
 use crate::data::{Data, reduced};
 use crate::fit::Fit;
-use crate::hypothesis::Hypothesis;
 use crate::marginal::Disturbance;
 use crate::record::{Run, channel};
 use crate::scales::Scales;
@@ -14,7 +13,7 @@ use crate::trace::{Motion, Traces};
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
 use rayon::prelude::*;
 use stickslip::integrator::{HybridSystem, Options, Simulation};
-use stickslip::plant::{RigInputs, STATES, index};
+use stickslip::plant::{Rig, RigInputs, STATES, index};
 use stickslip::series::{Dual, Scalar};
 
 /// Most points of a scatter that a search goes over.
@@ -49,6 +48,8 @@ pub struct Scatter {
     /// The views: from the measured motion, which noise blurs, and from free torques, which a motion that is not the measured
     /// one bends.
     pub views: Vec<Vec<Point>>,
+    /// Friction coefficient at which a disc that rested let go, in the middle of all such moments.
+    pub breakaway: Option<f64>,
 }
 
 impl Scatter {
@@ -60,17 +61,16 @@ impl Scatter {
             either(run, channel::THETA, channel::OMEGA)
                 && either(run, channel::THETA3, channel::OMEGA3)
         };
-        let of_motion = data
-            .runs
-            .iter()
-            .all(both)
-            .then(|| of_motion(data, &fit.hypothesis));
+        let rig = fit.hypothesis.rig_at().ok();
+        let measured = rig.filter(|_| data.runs.iter().all(both));
+        let of_motion = measured.map(|rig| of_motion(data, &rig));
         Self {
             views: of_motion
                 .into_iter()
                 .chain([of_free_torque(data, fit)])
                 .map(thinned)
                 .collect(),
+            breakaway: measured.and_then(|rig| breakaway(data, &rig)),
         }
     }
 }
@@ -88,54 +88,71 @@ fn thinned(mut points: Vec<Point>) -> Vec<Point> {
 }
 
 /// Friction as what the model at the measured state lacks of the measured acceleration.
-fn of_motion(data: &Data, hypothesis: &Hypothesis) -> Vec<Point> {
-    let Ok(rig) = hypothesis.rig_at() else {
-        return Vec::new();
-    };
+fn of_motion(data: &Data, rig: &Rig<f64>) -> Vec<Point> {
     let samples: usize = data.runs.iter().map(Run::len).sum();
     let every = samples.div_ceil(2 * MOST_POINTS).max(1);
     let mut points = Vec::new();
     for run in data.runs.iter() {
-        let Traces {
-            disc,
-            gear,
-            motion,
-            outer,
-            ..
-        } = &run.traces;
-        for at in (every / 2..run.len()).step_by(every) {
-            let per_coefficient = rig.contact.radius * run.normal_force[at];
-            if motion[at] != Motion::Sliding || per_coefficient <= 0.0 {
-                continue;
-            }
-            let mut state = [0.0; STATES];
-            state[index::THETA] = disc.angle[at];
-            state[index::OMEGA] = disc.velocity[at];
-            state[index::THETA3] = gear.angle[at];
-            state[index::OMEGA3] = gear.velocity[at];
-            if let Some(outer) = outer {
-                state[index::THETA1] = outer.disc.angle[at];
-                state[index::OMEGA1] = outer.disc.velocity[at];
-            }
-            let force_1 = run.normal_force_1.get(at).copied().unwrap_or(0.0);
-            let inputs = RigInputs::held(run.voltage[at], run.normal_force[at], force_1);
-            let time = run.time[at];
-            let Ok(there) = Simulation::new(rig, Options::default(), time, state, inputs) else {
-                continue;
-            };
-            let series = there.system().states(there.jet());
-            let along = disc.velocity[at].signum();
-            let lacking = rig.disc.inertia * (disc.acceleration[at] - series[index::OMEGA][1]);
-            let friction = there.jet().friction_torque_at(0.0).abs() - along * lacking;
-            points.push(Point {
-                speed: disc.velocity[at].abs(),
-                acceleration: along * disc.acceleration[at],
-                coefficient: friction / per_coefficient,
-                weight: per_coefficient * per_coefficient,
-            });
-        }
+        let sliding = (every / 2..run.len())
+            .step_by(every)
+            .filter(|at| run.traces.motion[*at] == Motion::Sliding);
+        points.extend(sliding.filter_map(|at| measured(run, at, rig)));
     }
     points
+}
+
+/// Friction coefficient at which a disc that rested let go.
+fn breakaway(data: &Data, rig: &Rig<f64>) -> Option<f64> {
+    let mut coefficients = Vec::new();
+    for run in data.runs.iter() {
+        let motion = &run.traces.motion;
+        let last = (1..run.len())
+            .filter(|at| motion[at - 1] == Motion::Stuck && motion[*at] != Motion::Stuck)
+            .map(|at| at - 1);
+        coefficients.extend(last.filter_map(|at| Some(measured(run, at, rig)?.coefficient)));
+    }
+    coefficients.sort_by(f64::total_cmp);
+    coefficients.get(coefficients.len() / 2).copied()
+}
+
+/// Friction at a sample of a record; `None` where nothing presses.
+fn measured(run: &Run, at: usize, rig: &Rig<f64>) -> Option<Point> {
+    let Traces {
+        disc, gear, outer, ..
+    } = &run.traces;
+    let is_stuck = run.traces.motion[at] == Motion::Stuck;
+    let per_coefficient = rig.contact.radius * run.normal_force[at];
+    if per_coefficient <= 0.0 {
+        return None;
+    }
+    let (speed, acceleration) = if is_stuck {
+        (0.0, 0.0)
+    } else {
+        (disc.velocity[at], disc.acceleration[at])
+    };
+    let mut state = [0.0; STATES];
+    state[index::THETA] = disc.angle[at];
+    state[index::OMEGA] = speed;
+    state[index::THETA3] = gear.angle[at];
+    state[index::OMEGA3] = gear.velocity[at];
+    if let Some(outer) = outer {
+        state[index::THETA1] = outer.disc.angle[at];
+        state[index::OMEGA1] = outer.disc.velocity[at];
+    }
+    let force_1 = run.normal_force_1.get(at).copied().unwrap_or(0.0);
+    let inputs = RigInputs::held(run.voltage[at], run.normal_force[at], force_1);
+    let there = Simulation::new(*rig, Options::default(), run.time[at], state, inputs).ok()?;
+    let modelled = there.system().states(there.jet())[index::OMEGA][1];
+    // Where the disc rests, the motion is the one that the model would begin.
+    let along = if is_stuck { modelled } else { speed }.signum();
+    let lacking = rig.disc.inertia * (acceleration - modelled);
+    let friction = there.jet().friction_torque_at(0.0).abs() - along * lacking;
+    Some(Point {
+        speed: speed.abs(),
+        acceleration: along * acceleration,
+        coefficient: friction / per_coefficient,
+        weight: per_coefficient * per_coefficient,
+    })
 }
 
 /// Friction from free torques beside the analyst's model.

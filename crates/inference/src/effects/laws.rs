@@ -13,16 +13,13 @@ pub(super) fn stiction(base: &Hypothesis, scatter: Option<&Scatter>) -> Vec<Hypo
     let Law::Coulomb(law) = base.rig.law else {
         return Vec::new();
     };
-    let ratios: &[f64] = if scatter.is_some() {
-        &[1.03, 1.15, 1.5]
-    } else {
-        &[1.03]
-    };
-    ratios
-        .iter()
-        .map(|ratio| {
+    let mu_c = base.value("contact.mu_c").unwrap_or(law.mu_c);
+    let near = 1.03 * mu_c;
+    let shown = scatter.and_then(|scatter| scatter.breakaway);
+    std::iter::once(near)
+        .chain(shown.filter(|shown| *shown > near))
+        .map(|mu_s| {
             let mut h = base.clone();
-            let mu_s = ratio * base.value("contact.mu_c").unwrap_or(law.mu_c);
             h.rig.law = Law::CoulombStiction(CoulombStiction {
                 mu_c: law.mu_c,
                 mu_s,
