@@ -138,7 +138,14 @@ def main():
         found = json.loads((folder / "fmu" / "finding.json").read_text())
         names = [effect["name"] for effect in found["effects"]]
         right = hidden(answers[name]["kind"])
-        words.append("right" if set(names) == right else "less" if set(names) < right else "wrong")
+        if set(names) == right:
+            words.append("right")
+        elif set(names) < right:
+            words.append("less")
+        elif found["verdict"] == "ambiguous" and right <= {*names, *found["alternatives"]}:
+            words.append("open")
+        else:
+            words.append("wrong")
         rivals = f" (or {', '.join(found['alternatives'])})" if found["alternatives"] else ""
         said = f"{found['verdict']}: {', '.join(names)}{rivals}"
         print(f"{name} | {said} | exit code {done.returncode} | {words[-1]} | {took:.0f} s", flush=True)
