@@ -119,10 +119,10 @@ impl Effect {
         )
     }
 
-    /// The law that this one becomes where one of its numbers vanishes, and that number's dotted name.
+    /// Dotted name of the number that vanishes where the law becomes a simpler one: Stribeck's becomes stiction.
     #[must_use]
-    pub fn limit(&self) -> Option<(&'static str, &'static str)> {
-        matches!(self.form, Form::Stribeck).then_some(("stiction", "contact.omega_s"))
+    pub fn vanishing(&self) -> Option<&'static str> {
+        matches!(self.form, Form::Stribeck).then_some("contact.omega_s")
     }
 
     /// Whether a rig has what the effect acts on.

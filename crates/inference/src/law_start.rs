@@ -48,7 +48,7 @@ pub struct Scatter {
     /// The views: from the measured motion, which noise blurs, and from free torques, which a motion that is not the measured
     /// one bends.
     pub views: Vec<Vec<Point>>,
-    /// Friction coefficient at which a disc that rested let go, in the middle of all such moments.
+    /// Friction coefficient at which a disc that rested let go, in the middle of all such moments; `None` where none was seen.
     pub breakaway: Option<f64>,
 }
 
@@ -61,16 +61,16 @@ impl Scatter {
             either(run, channel::THETA, channel::OMEGA)
                 && either(run, channel::THETA3, channel::OMEGA3)
         };
-        let rig = fit.hypothesis.rig_at().ok();
-        let measured = rig.filter(|_| data.runs.iter().all(both));
-        let of_motion = measured.map(|rig| of_motion(data, &rig));
+        let is_measured = data.runs.iter().all(both);
+        let rig = fit.hypothesis.rig_at().ok().filter(|_| is_measured);
+        let of_motion = rig.map(|rig| of_motion(data, &rig));
         Self {
             views: of_motion
                 .into_iter()
                 .chain([of_free_torque(data, fit)])
                 .map(thinned)
                 .collect(),
-            breakaway: measured.and_then(|rig| breakaway(data, &rig)),
+            breakaway: rig.and_then(|rig| breakaway(data, &rig)),
         }
     }
 }
@@ -101,37 +101,48 @@ fn of_motion(data: &Data, rig: &Rig<f64>) -> Vec<Point> {
     points
 }
 
-/// Friction coefficient at which a disc that rested let go.
+/// Friction coefficient at which a disc that rested let go, in the middle of all such moments: of a single one noise may tell anything.
 fn breakaway(data: &Data, rig: &Rig<f64>) -> Option<f64> {
     let mut coefficients = Vec::new();
     for run in data.runs.iter() {
         let motion = &run.traces.motion;
-        let last = (1..run.len())
-            .filter(|at| motion[at - 1] == Motion::Stuck && motion[*at] != Motion::Stuck)
-            .map(|at| at - 1);
-        coefficients.extend(last.filter_map(|at| Some(measured(run, at, rig)?.coefficient)));
+        let clear = (0..run.len()).filter(|at| motion[*at] != Motion::Unclear);
+        let clear: Vec<usize> = clear.collect();
+        for pair in clear.windows(2) {
+            let [rests, slides] = [pair[0], pair[1]];
+            if motion[rests] == Motion::Stuck && motion[slides] == Motion::Sliding {
+                // Between the two it is not clear when: the middle is as good a guess as any.
+                let resting = [run.traces.disc.angle[rests], 0.0, 0.0];
+                let at = rests.midpoint(slides);
+                coefficients.extend(friction(run, at, rig, resting).map(|own| own.coefficient));
+            }
+        }
     }
     coefficients.sort_by(f64::total_cmp);
     coefficients.get(coefficients.len() / 2).copied()
 }
 
-/// Friction at a sample of a record; `None` where nothing presses.
+/// Friction at a sample of a record, as measured; `None` where nothing presses.
 fn measured(run: &Run, at: usize, rig: &Rig<f64>) -> Option<Point> {
-    let Traces {
-        disc, gear, outer, ..
-    } = &run.traces;
-    let is_stuck = run.traces.motion[at] == Motion::Stuck;
+    let disc = &run.traces.disc;
+    let moving = [disc.angle[at], disc.velocity[at], disc.acceleration[at]];
+    friction(run, at, rig, moving)
+}
+
+/// Friction at a sample of a record, where the disc has this angle, speed and acceleration; `None` where nothing presses.
+fn friction(
+    run: &Run,
+    at: usize,
+    rig: &Rig<f64>,
+    [angle, speed, acceleration]: [f64; 3],
+) -> Option<Point> {
+    let Traces { gear, outer, .. } = &run.traces;
     let per_coefficient = rig.contact.radius * run.normal_force[at];
     if per_coefficient <= 0.0 {
         return None;
     }
-    let (speed, acceleration) = if is_stuck {
-        (0.0, 0.0)
-    } else {
-        (disc.velocity[at], disc.acceleration[at])
-    };
     let mut state = [0.0; STATES];
-    state[index::THETA] = disc.angle[at];
+    state[index::THETA] = angle;
     state[index::OMEGA] = speed;
     state[index::THETA3] = gear.angle[at];
     state[index::OMEGA3] = gear.velocity[at];
@@ -144,7 +155,7 @@ fn measured(run: &Run, at: usize, rig: &Rig<f64>) -> Option<Point> {
     let there = Simulation::new(*rig, Options::default(), run.time[at], state, inputs).ok()?;
     let modelled = there.system().states(there.jet())[index::OMEGA][1];
     // Where the disc rests, the motion is the one that the model would begin.
-    let along = if is_stuck { modelled } else { speed }.signum();
+    let along = if speed == 0.0 { modelled } else { speed }.signum();
     let lacking = rig.disc.inertia * (acceleration - modelled);
     let friction = there.jet().friction_torque_at(0.0).abs() - along * lacking;
     Some(Point {

@@ -127,21 +127,11 @@ fn explore(
                 }
             }
         }
-        start_law_again(problem, &current, known, progress);
-        for name in &current.effects {
-            let limit = problem
-                .effect(name)
-                .and_then(Effect::limit)
-                .map(|(limit, _)| limit)
-                .filter(|limit| is_possible(problem, limit));
-            if let Some(limit) = limit {
-                replace(problem, &current, name, limit, known, progress);
-            }
-        }
+        try_laws(problem, &current, known, progress);
         for larger in stand_ins(&current, known) {
             if larger.score() == f64::NEG_INFINITY {
                 // A number at the limit of its range may mean that the law started at the wrong place for the effect beside it.
-                start_law_again(problem, &larger, known, progress);
+                try_laws(problem, &larger, known, progress);
             }
             let extra = |name: &&&'static str| !current.effects.contains(*name);
             if let Some(left_out) = larger.effects.iter().find(extra) {
@@ -295,61 +285,37 @@ fn keep(known: &mut Vec<Candidate>, candidate: Candidate) {
     }
 }
 
-/// Tries `current` with the effect `limit` in place of `name`, from the numbers that both have.
-fn replace(
-    problem: &Problem,
-    current: &Candidate,
-    name: &str,
-    limit: &'static str,
-    known: &mut Vec<Candidate>,
-    progress: &mut dyn FnMut(&str),
-) {
-    let own = current.effects.iter().copied();
-    let names: Vec<&'static str> = own
-        .map(|own| if own == name { limit } else { own })
-        .collect();
-    progress(&named(&names));
-    let hypothesis = rebuilt(problem, &names, &current.fit.hypothesis);
-    let fit = fit_from(problem, hypothesis, Some(&current.fit), false);
-    keep(known, candidate(problem, fit));
-}
-
-/// Fits the law of `current` from the starts that the records suggest beside the numbers of its other effects: when the law was added,
-/// those may not have been there.
-fn start_law_again(
+/// Fits the laws that `current` may have, from the starts that the records suggest beside the numbers of its other effects: its own,
+/// since those may not have been there when the law was added, and those with fewer numbers, since a law with more can imitate them.
+fn try_laws(
     problem: &Problem,
     current: &Candidate,
     known: &mut Vec<Candidate>,
     progress: &mut dyn FnMut(&str),
 ) {
-    let own = |effect: &&Effect| effect.is_law() && current.effects.contains(&effect.name);
-    let Some(law) = problem.effects.iter().find(own) else {
+    let laws = || problem.effects.iter().filter(|effect| effect.is_law());
+    let Some(own) = laws().find(|law| current.effects.contains(&law.name)) else {
         return;
     };
     let others = current.effects.iter().copied();
-    let others: Vec<&'static str> = others.filter(|name| *name != law.name).collect();
-    if others.is_empty() {
-        return;
-    }
+    let others: Vec<&'static str> = others.filter(|name| *name != own.name).collect();
     let hypothesis = rebuilt(problem, &others, &current.fit.hypothesis);
     let without = candidate(problem, begun(problem, hypothesis, Some(&current.fit)));
-    let looks = looks(problem, &without, &[law], progress);
-    let fits = followed(problem, &without, looks, progress)
-        .into_iter()
-        .map(|hypothesis| begun(problem, hypothesis, Some(&current.fit)))
-        .collect();
-    for fit in race(problem, fits, current.odds(), progress) {
-        keep(known, candidate(problem, fit));
+    let is_simpler = |law: &Effect| {
+        let starts = law.starts(&without.fit.hypothesis, &problem.long.scales, None);
+        let first = starts.first().map(Hypothesis::dimension);
+        first.is_some_and(|numbers| numbers < current.fit.hypothesis.dimension())
+    };
+    for law in laws().filter(|law| law.name == own.name && !others.is_empty() || is_simpler(law)) {
+        let looks = looks(problem, &without, &[law], progress);
+        let fits = followed(problem, &without, looks, progress)
+            .into_iter()
+            .map(|hypothesis| begun(problem, hypothesis, Some(&current.fit)))
+            .collect();
+        for fit in race(problem, fits, current.odds(), progress) {
+            keep(known, candidate(problem, fit));
+        }
     }
-}
-
-/// Whether an effect makes sense on the analyst's model.
-fn is_possible(problem: &Problem, name: &str) -> bool {
-    let base = problem.hypothesis();
-    let starts = |effect: &Effect| effect.starts(&base, &problem.long.scales, None);
-    problem
-        .effect(name)
-        .is_some_and(|effect| !starts(effect).is_empty())
 }
 
 fn remove(

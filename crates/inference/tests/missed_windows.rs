@@ -10,15 +10,15 @@ mod common;
 use common::{instruments, prepare_threads, record};
 
 const BELIEVED: &str = include_str!("../../../modelDescription/reduced-rig.toml");
-/// Samples for which the disc is held back.
-const HELD: usize = 20;
+/// Samples for which the encoder reads too little.
+const SLIPPED: usize = 20;
 
-/// A record in which something holds the disc back by `angle` [rad] for a moment, three times.
+/// A record in which the disc's encoder slips and reads up to `angle` [rad] too little for a moment, three times.
 fn disturbed(rig: &Rig<f64>, seed: u64, angle: f64) -> RawRecord {
     let mut record = record(rig, seed);
     for first in [190, 350, 520] {
-        for sample in 0..HELD {
-            let part = sample as f64 / HELD as f64;
+        for sample in 0..SLIPPED {
+            let part = sample as f64 / SLIPPED as f64;
             record.readings[channel::THETA][first + sample] -=
                 angle * (std::f64::consts::PI * part).sin();
         }

@@ -15,9 +15,11 @@ pub(super) fn stiction(base: &Hypothesis, scatter: Option<&Scatter>) -> Vec<Hypo
     };
     let mu_c = base.value("contact.mu_c").unwrap_or(law.mu_c);
     let near = 1.03 * mu_c;
-    let shown = scatter.and_then(|scatter| scatter.breakaway);
+    // What cannot be seen to let go may do so anywhere above.
+    let unseen = || vec![1.15 * mu_c, 1.5 * mu_c];
+    let further = scatter.map(|s| s.breakaway.map_or_else(unseen, |shown| vec![shown]));
     std::iter::once(near)
-        .chain(shown.filter(|shown| *shown > near))
+        .chain(further.into_iter().flatten().filter(|mu_s| *mu_s > near))
         .map(|mu_s| {
             let mut h = base.clone();
             h.rig.law = Law::CoulombStiction(CoulombStiction {

@@ -104,8 +104,7 @@ pub(super) fn candidate(problem: &Problem, fit: Fit) -> Candidate {
 fn is_at_limit(fit: &Fit, data: &Data, effects: &[&Effect]) -> bool {
     let telling: Vec<&str> = effects
         .iter()
-        .filter_map(|effect| effect.limit())
-        .map(|(_, number)| number)
+        .filter_map(|effect| effect.vanishing())
         .collect();
     !telling.is_empty()
         && fit

@@ -1,4 +1,5 @@
 //! Records of a rig, as a simulation with noise makes them.
+#![allow(dead_code, reason = "no test uses all of it")]
 
 use inference::record::{Instruments, RawRecord, channel};
 use stickslip::integrator::{Options, Simulation};
@@ -33,23 +34,35 @@ pub fn instruments() -> Instruments {
     }
 }
 
-/// Speeds and normal forces in steps: both discs slide, and both stick for a while.
-fn held(rig: &Rig<f64>, time: f64) -> (f64, f64, f64) {
-    let part = (time / LENGTH * 4.0) as usize;
-    let speed = [3.0, 6.0, 4.0, 8.0][part.min(3)];
-    let (force, force_1) = [(0.0, 0.0), (20.0, 30.0), (40.0, 10.0), (10.0, 40.0)][part.min(3)];
-    (rig.voltage_for_speed(speed), force, force_1)
-}
+/// Speeds [rad/s] and normal forces on the two discs [N] that are held for a quarter of a record each.
+pub type Steps = [(f64, f64, f64); 4];
+
+/// Both discs slide, and both stick for a while.
+const USUAL: Steps = [
+    (3.0, 0.0, 0.0),
+    (6.0, 20.0, 30.0),
+    (4.0, 40.0, 10.0),
+    (8.0, 10.0, 40.0),
+];
 
 /// A record of `truth` from rest.
 pub fn record(truth: &Rig<f64>, seed: u64) -> RawRecord {
+    record_of(truth, seed, USUAL)
+}
+
+/// A record of `truth` from rest under these inputs.
+pub fn record_of(truth: &Rig<f64>, seed: u64, steps: Steps) -> RawRecord {
+    let held = |time: f64| {
+        let (speed, force, force_1) = steps[((time / LENGTH * 4.0) as usize).min(3)];
+        (truth.voltage_for_speed(speed), force, force_1)
+    };
     let mut noise = Noise(seed);
     let mut record = RawRecord {
         name: format!("run-{seed}"),
         ..RawRecord::default()
     };
     let inputs = |time: f64| {
-        let (voltage, force, force_1) = held(truth, time);
+        let (voltage, force, force_1) = held(time);
         RigInputs::held(voltage, force, force_1)
     };
     let mut run =
@@ -68,7 +81,7 @@ pub fn record(truth: &Rig<f64>, seed: u64) -> RawRecord {
         run.advance_to(time).unwrap();
         run.set_inputs(time, inputs(time)).unwrap();
         let state = run.state_at(time);
-        let (voltage, force, force_1) = held(truth, time);
+        let (voltage, force, force_1) = held(time);
         record.time.push(time);
         record.voltage.push(voltage);
         record.normal_force.push(force);
