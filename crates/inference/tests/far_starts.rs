@@ -67,7 +67,7 @@ fn a_bump_of_friction_over_speed_is_learned() {
     let bump = format!(
         "{coulomb}\n[[effect]]\nname = \"bump\"\ntitle = \"a bump\"\nport = \"disc.friction\"\n\
          equation = \"1 + height*exp(-((abs(velocity) - centre)/width)^2)\"\n\
-         parameters.height = {{ value = 4.0, unit = \"1\", description = \"height\" }}\n\
+         parameters.height = {{ value = 1.5, unit = \"1\", description = \"height\" }}\n\
          parameters.centre = {{ value = 4.0, unit = \"rad/s\", description = \"centre\" }}\n\
          parameters.width = {{ value = 1.0, unit = \"rad/s\", range = \"positive\", description = \"width\" }}\n"
     );
@@ -77,5 +77,5 @@ fn a_bump_of_friction_over_speed_is_learned() {
     let there = (learned.family.port, learned.family.over);
     assert_eq!(there, (Port::DiscFriction, Coordinate::Velocity));
     let highest = learned.table.values.iter().copied().fold(0.0, f64::max);
-    assert!((3.2..4.4).contains(&highest), "{:?}", learned.table.values);
+    assert!((1.2..1.7).contains(&highest), "{:?}", learned.table.values);
 }
