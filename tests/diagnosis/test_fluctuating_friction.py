@@ -24,6 +24,7 @@ def test_stiction_is_not_taken_for_it(tmp_path):
     assert finding["gap"]["held_out"]["closed"] > 0.98
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "effect", "seed", "size"),
     [
@@ -41,6 +42,7 @@ def test_what_else_is_named_under_it(tmp_path, kind, effect, seed, size):
     assert finding["gap"]["held_out"]["closed"] > 0.95
 
 
+@pytest.mark.long
 def test_a_breakaway_that_only_the_starts_of_two_runs_show_is_named_and_amended(tmp_path):
     # Once left to the parameters, since no window taught the half of the other run, and stuck at the sliding level on request.
     case = diagnosed(tmp_path, "stiction", "stiction", 94031, "--rough", "--size", "full")

@@ -8,9 +8,12 @@ from conftest import diagnosed
     ("kind", "seed"),
     [
         ("outside_friction_bump", 106002),  # once named Eq. 6-2, with peaks of no certain height
-        ("outside_friction_bump", 136016),  # the same with one peak certain, and one that was an offset
-        ("outside_torque_saturation", 136005),  # once refused: the drive was too weak to turn, and u thought to be in mV
-        ("outside_encoder_eccentricity", 106009),  # once named unbalance with shaft hysteresis, both of no certain size
+        # The same with one peak certain, and one that was an offset.
+        pytest.param("outside_friction_bump", 136016, marks=pytest.mark.long),
+        # Once refused: the drive was too weak to turn, and u thought to be in mV.
+        pytest.param("outside_torque_saturation", 136005, marks=pytest.mark.long),
+        # Once named unbalance with shaft hysteresis, both of no certain size.
+        pytest.param("outside_encoder_eccentricity", 106009, marks=pytest.mark.long),
     ],
 )
 def test_an_effect_that_no_catalogue_has_is_not_given_a_name(tmp_path, kind, seed):

@@ -8,10 +8,14 @@ from conftest import diagnosed
     ("second", "seed"),
     [
         ("backlash", 98000),  # once flagged for what the law alone had left
-        ("normal_force_wobble", 108007),  # once flagged, since the law's numbers had bent to make up for it
-        ("friction_wear", 118002),  # once flagged, since friction seemed to fluctuate as much as wear changed it
-        ("quadratic_drag", 118008),  # once flagged, since bearing friction left less by a few windows, and much in all others
-        ("load_cell_bias", 138004),  # once flagged, since it showed neither beside the law nor without it
+        # Once flagged, since the law's numbers had bent to make up for it.
+        pytest.param("normal_force_wobble", 108007, marks=pytest.mark.long),
+        # Once flagged, since friction seemed to fluctuate as much as wear changed it.
+        pytest.param("friction_wear", 118002, marks=pytest.mark.long),
+        # Once flagged, since bearing friction left less by a few windows, and much in all others.
+        pytest.param("quadratic_drag", 118008, marks=pytest.mark.long),
+        # Once flagged, since it showed neither beside the law nor without it.
+        pytest.param("load_cell_bias", 138004, marks=pytest.mark.long),
     ],
 )
 def test_the_law_and_another_effect(tmp_path, second, seed):

@@ -1,5 +1,6 @@
 """Effects far below their usual size, or seen in few places only."""
 
+import pytest
 from conftest import diagnosed
 
 
@@ -13,6 +14,7 @@ def test_a_wobble_of_4_percent_is_named_under_eq_6_2(tmp_path):
     assert finding["gap"]["held_out"]["closed"] > 0.9
 
 
+@pytest.mark.long
 def test_a_breakaway_that_shows_only_where_two_runs_begin_is_named(tmp_path):
     # Once left to the parameters: resampled windows say nothing sure where so few of them tell.
     case = diagnosed(tmp_path, "stiction", "stiction", 83013)

@@ -8,8 +8,8 @@ from conftest import diagnosed
     ("first", "second", "seed"),
     [
         ("shaft_hardening", "stiction", 150000),
-        ("bearing_friction", "sensor_delay", 150000),
-        ("acceleration_hysteresis", "sensor_delay", 158010),
+        pytest.param("bearing_friction", "sensor_delay", 150000, marks=pytest.mark.long),
+        pytest.param("acceleration_hysteresis", "sensor_delay", 158010, marks=pytest.mark.long),
     ],
 )
 def test_what_stood_in_is_left_out_and_both_are_named(tmp_path, first, second, seed):

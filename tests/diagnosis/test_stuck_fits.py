@@ -1,8 +1,10 @@
 """A law of many numbers whose fit gets stuck on the way to them."""
 
+import pytest
 from conftest import diagnosed
 
 
+@pytest.mark.long
 def test_eq_6_2_is_found_from_a_start_that_did_not_promise_most(tmp_path):
     # Once flagged: the two starts that were followed led to numbers that Stribeck's law outdid.
     effect = "acceleration_hysteresis"
