@@ -6,5 +6,5 @@ mod operation;
 mod wrapping;
 
 pub use coupling::{Coupling, Moment};
-pub use operation::{Fault, Operation, check, value};
+pub use operation::{Fault, Operation, check, value, values};
 pub use wrapping::{AddedEffect, COORDINATES, Own, Port, SETTINGS_FILE, Settings, SettingsError};

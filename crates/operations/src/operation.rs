@@ -141,38 +141,77 @@ pub fn value(
     coordinates: &[f64],
     steps: &mut [f64],
 ) -> f64 {
-    let mut last = 0.0;
+    let (coordinates, _) = coordinates.as_chunks();
+    let (steps, _) = steps.as_chunks_mut();
+    let [value] = values(operations, parameters, coordinates, steps);
+    value
+}
+
+/// As [`value`], at `LANES` places at once: each coordinate and each step has a number for each place.
+///
+/// # Panics
+/// As [`value`] does.
+pub fn values<const LANES: usize>(
+    operations: &[Operation],
+    parameters: &[f64],
+    coordinates: &[[f64; LANES]],
+    steps: &mut [[f64; LANES]],
+) -> [f64; LANES] {
+    let mut last = [0.0; LANES];
     for (place, operation) in operations.iter().enumerate() {
         let x = &*steps;
         last = match *operation {
-            Operation::Number(value) => value,
-            Operation::Parameter(place) => parameters[place],
+            Operation::Number(value) => [value; LANES],
+            Operation::Parameter(place) => [parameters[place]; LANES],
             Operation::Coordinate(place) => coordinates[place],
-            Operation::Add(a, b) => x[a] + x[b],
-            Operation::Subtract(a, b) => x[a] - x[b],
-            Operation::Multiply(a, b) => x[a] * x[b],
-            Operation::Divide(a, b) => x[a] / x[b],
-            Operation::Negate(a) => -x[a],
-            Operation::Power(a, 2) => x[a] * x[a],
-            Operation::Power(a, 3) => x[a] * x[a] * x[a],
-            Operation::Power(a, _) => (x[a] * x[a]) * (x[a] * x[a]),
-            Operation::RealPower(a, b) => libm::pow(x[a], x[b]),
-            Operation::Sine(a) => libm::sin(x[a]),
-            Operation::Cosine(a) => libm::cos(x[a]),
-            Operation::Exponential(a) => libm::exp(x[a]),
-            Operation::Logarithm(a) => libm::log(x[a]),
-            Operation::SquareRoot(a) => x[a].sqrt(),
-            Operation::HyperbolicTangent(a) => libm::tanh(x[a]),
-            Operation::Absolute(a, _) => x[a].abs(),
-            Operation::Sign(a, _) if x[a] < 0.0 => -1.0,
-            Operation::Sign(..) => 1.0,
-            Operation::Minimum(a, b, _) => x[a].min(x[b]),
-            Operation::Maximum(a, b, _) => x[a].max(x[b]),
-            Operation::Table(..) => 0.0,
+            Operation::Add(a, b) => of_two(&x[a], &x[b], |a, b| a + b),
+            Operation::Subtract(a, b) => of_two(&x[a], &x[b], |a, b| a - b),
+            Operation::Multiply(a, b) => of_two(&x[a], &x[b], |a, b| a * b),
+            Operation::Divide(a, b) => of_two(&x[a], &x[b], |a, b| a / b),
+            Operation::Negate(a) => of_one(&x[a], |a| -a),
+            Operation::Power(a, 2) => of_one(&x[a], |a| a * a),
+            Operation::Power(a, 3) => of_one(&x[a], |a| a * a * a),
+            Operation::Power(a, _) => of_one(&x[a], |a| (a * a) * (a * a)),
+            Operation::RealPower(a, b) => of_two(&x[a], &x[b], libm::pow),
+            Operation::Sine(a) => of_one(&x[a], libm::sin),
+            Operation::Cosine(a) => of_one(&x[a], libm::cos),
+            Operation::Exponential(a) => of_one(&x[a], libm::exp),
+            Operation::Logarithm(a) => of_one(&x[a], libm::log),
+            Operation::SquareRoot(a) => of_one(&x[a], f64::sqrt),
+            Operation::HyperbolicTangent(a) => of_one(&x[a], libm::tanh),
+            Operation::Absolute(a, _) => of_one(&x[a], f64::abs),
+            Operation::Sign(a, _) => of_one(&x[a], |a| if a < 0.0 { -1.0 } else { 1.0 }),
+            Operation::Minimum(a, b, _) => of_two(&x[a], &x[b], f64::min),
+            Operation::Maximum(a, b, _) => of_two(&x[a], &x[b], f64::max),
+            Operation::Table(..) => [0.0; LANES],
         };
         steps[place] = last;
     }
     last
+}
+
+/// A function of the number at each place; a plain loop, which the compiler vectorises.
+#[inline(always)]
+fn of_one<const LANES: usize>(a: &[f64; LANES], function: impl Fn(f64) -> f64) -> [f64; LANES] {
+    let mut values = *a;
+    for value in &mut values {
+        *value = function(*value);
+    }
+    values
+}
+
+/// As [`of_one`], of two numbers.
+#[inline(always)]
+fn of_two<const LANES: usize>(
+    a: &[f64; LANES],
+    b: &[f64; LANES],
+    function: impl Fn(f64, f64) -> f64,
+) -> [f64; LANES] {
+    let mut values = *a;
+    for (value, b) in values.iter_mut().zip(b) {
+        *value = function(*value, *b);
+    }
+    values
 }
 
 #[cfg(test)]
@@ -193,6 +232,11 @@ mod tests {
         assert_eq!(check(&operations, 1, 1), Ok(()));
         assert_eq!(value(&operations, &[2.0], &[3.0], &mut [0.0; 6]), 16.0);
         assert_eq!(check(&operations, 0, 1), Err(Fault::Missing(0)));
+        let places = [[3.0, -1.0, 0.5]];
+        assert_eq!(
+            values(&operations, &[2.0], &places, &mut [[0.0; 3]; 6]),
+            [16.0, 0.0, -1.5]
+        );
     }
 
     #[test]

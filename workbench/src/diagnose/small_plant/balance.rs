@@ -1,7 +1,7 @@
 //! Drive and contact: the force that was measured against the force that the model needs for the measured motion.
 
 use super::filter::LowPass;
-use super::model::Model;
+use super::model::{AT_ONCE, Model};
 use super::model_file::Measurement;
 use super::motion::{Motion, Scales};
 use super::problem::Problem;
@@ -335,21 +335,31 @@ impl Prepared {
             all.map(|(delay, series)| delay * series[at]).sum()
         };
         let encoder = model.eccentricity();
-        let force: Vec<f64> = (0..self.motion.len())
-            .map(|at| {
-                let (shifted, centred);
-                let mut sample = &self.read[at];
-                if shift != 0.0 {
-                    shifted = self.sample(at, shift);
-                    sample = &shifted;
-                }
-                if let Some(encoder) = &encoder {
-                    centred = encoder.motion(sample);
-                    sample = &centred;
-                }
-                model.force(sample) + inertia * sample.acceleration + delayed(at)
-            })
-            .collect();
+        let is_elsewhere = shift != 0.0 || encoder.is_some();
+        let mut moved = Vec::with_capacity(AT_ONCE);
+        let mut force = Vec::with_capacity(self.read.len());
+        for (block, read) in self.read.chunks(AT_ONCE).enumerate() {
+            let first = block * AT_ONCE;
+            let mut samples = read;
+            if is_elsewhere {
+                moved.clear();
+                moved.extend(read.iter().enumerate().map(|(at, sample)| {
+                    let shifted = match shift {
+                        0.0 => *sample,
+                        _ => self.sample(first + at, shift),
+                    };
+                    match &encoder {
+                        Some(encoder) => encoder.motion(&shifted),
+                        None => shifted,
+                    }
+                }));
+                samples = &moved;
+            }
+            model.add_forces(samples, &mut force);
+            for (at, (force, sample)) in force[first..].iter_mut().zip(samples).enumerate() {
+                *force = *force + inertia * sample.acceleration + delayed(first + at);
+            }
+        }
         self.thinned(&force)
     }
 }

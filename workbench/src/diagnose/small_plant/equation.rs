@@ -1,25 +1,58 @@
 //! Coordinates of equations at a moment of a record.
 
 use operations::Operation;
-use stickslip::body::coordinate::COUNT;
+use stickslip::body::coordinate::{
+    ACCELERATION, COUNT, DIRECTION, FRICTION, LOAD, MOTOR, POSITION, PREDICTED, TIME, VELOCITY,
+    WEIGHT,
+};
 
 use super::term::Sample;
 
-/// The coordinates at a moment, in the order of their places.
-#[must_use]
-pub fn coordinates(sample: &Sample, friction: f64) -> [f64; COUNT] {
-    [
-        sample.position,
-        sample.velocity,
-        sample.acceleration,
-        sample.direction,
-        sample.time,
-        friction,
-        sample.load,
-        sample.predicted,
-        sample.motor,
-        sample.weight,
-    ]
+/// Moments of one port with the coordinates that equations look at, in the order of their places.
+#[derive(Debug)]
+pub struct Moments<'a, const N: usize> {
+    /// The moments.
+    pub samples: &'a [Sample; N],
+    /// Each coordinate at all of them.
+    pub coordinates: [[f64; N]; COUNT],
+}
+
+impl<'a, const N: usize> Moments<'a, N> {
+    /// Moments without friction.
+    #[must_use]
+    pub fn new(samples: &'a [Sample; N]) -> Self {
+        let mut coordinates = [[0.0; N]; COUNT];
+        for (lane, sample) in samples.iter().enumerate() {
+            for (place, value) in [
+                (POSITION, sample.position),
+                (VELOCITY, sample.velocity),
+                (ACCELERATION, sample.acceleration),
+                (DIRECTION, sample.direction),
+                (TIME, sample.time),
+                (LOAD, sample.load),
+                (PREDICTED, sample.predicted),
+                (MOTOR, sample.motor),
+                (WEIGHT, sample.weight),
+            ] {
+                coordinates[place][lane] = value;
+            }
+        }
+        Self {
+            samples,
+            coordinates,
+        }
+    }
+
+    /// The friction of all that does not multiply it.
+    #[must_use]
+    pub fn friction(&self) -> &[f64; N] {
+        &self.coordinates[FRICTION]
+    }
+
+    /// Sets it.
+    pub fn set_friction(&mut self, friction: [f64; N]) {
+        self.coordinates[FRICTION] = friction;
+    }
 }
 
 /// Whether an equation depends on the coordinate at this place.

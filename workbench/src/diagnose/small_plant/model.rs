@@ -2,8 +2,12 @@
 
 use super::base::joint_loads;
 use super::eccentricity::Eccentricity;
+use super::equation::Moments;
 use super::term::{Entry, Role, Sample};
 use stickslip::body::{Dimension, Kind, Parameter, Path};
+
+/// Number of moments whose forces are found at once: many, so that an equation is read seldom, and few enough for the fast memory.
+pub const AT_ONCE: usize = 32;
 
 /// A term with its numbers.
 #[derive(Debug, Clone)]
@@ -66,39 +70,57 @@ impl Model {
     /// Force against the motion at a moment: what drives the plant must be equal to it.
     #[must_use]
     pub fn force(&self, sample: &Sample) -> f64 {
+        let [force] = self.forces_at(std::array::from_ref(sample));
+        force
+    }
+
+    /// Adds the forces at moments of one port to `forces`.
+    pub fn add_forces(&self, samples: &[Sample], forces: &mut Vec<f64>) {
+        let (blocks, rest) = samples.as_chunks::<AT_ONCE>();
+        for block in blocks {
+            forces.extend(self.forces_at(block));
+        }
+        forces.extend(rest.iter().map(|sample| self.force(sample)));
+    }
+
+    fn forces_at<const N: usize>(&self, samples: &[Sample; N]) -> [f64; N] {
         let loaded;
-        let mut sample = sample;
+        let mut samples = samples;
         if self.kind == Kind::Joint
             && let Some(base) = self.terms.first()
         {
-            let (motor, weight) = joint_loads(&base.values, sample);
-            loaded = Sample {
-                motor,
-                weight,
-                ..*sample
-            };
-            sample = &loaded;
+            loaded = samples.each_ref().map(|sample| {
+                let (motor, weight) = joint_loads(&base.values, sample);
+                Sample {
+                    motor,
+                    weight,
+                    ..*sample
+                }
+            });
+            samples = &loaded;
         }
-        let force = |term: &Term, friction: f64| {
-            if term.entry.place.is_at(sample.port) {
-                term.entry.force(&term.values, sample, friction)
-            } else {
-                0.0
+        let port = samples.first().map_or(0, |sample| sample.port);
+        let mut moments = Moments::new(samples);
+        let acts = |term: &&Term| term.entry.place.is_at(port);
+        let of_role = |role: Role| self.terms.iter().filter(move |t| t.entry.role == role);
+        let add = |sums: &mut [f64; N], more: [f64; N]| {
+            for (sum, more) in sums.iter_mut().zip(more) {
+                *sum += more;
             }
         };
-        let (mut friction, mut other) = (0.0, 0.0);
-        let laws = self.terms.iter().enumerate().rev();
-        let mut laws = laws.filter(|(_, term)| term.entry.role == Role::Law);
-        if let Some((_, law)) = laws.find(|(_, term)| term.entry.place.is_at(sample.port)) {
-            friction = force(law, 0.0);
+        let mut friction = [0.0; N];
+        if let Some(law) = of_role(Role::Law).rfind(acts) {
+            friction = law.entry.forces(&law.values, &moments);
         }
-        for term in self.terms.iter().filter(|t| t.entry.role == Role::Friction) {
-            friction += force(term, 0.0);
+        for term in of_role(Role::Friction).filter(acts) {
+            add(&mut friction, term.entry.forces(&term.values, &moments));
         }
-        for term in self.terms.iter().filter(|t| t.entry.role == Role::Added) {
-            other += force(term, friction);
+        moments.set_friction(friction);
+        let mut other = [0.0; N];
+        for term in of_role(Role::Added).filter(acts) {
+            add(&mut other, term.entry.forces(&term.values, &moments));
         }
-        friction + other
+        std::array::from_fn(|at| friction[at] + other[at])
     }
 
     /// Time by which the readings of the motion at a port lag behind the force [s].

@@ -3,7 +3,7 @@
 use operations::Operation;
 use stickslip::body::{Kind, Parameter, Path};
 
-use super::equation::coordinates;
+use super::equation::Moments;
 use super::motion::Scales;
 use super::start;
 use super::unit::Usual as _;
@@ -172,23 +172,41 @@ impl Entry {
     /// Its force at a moment.
     #[must_use]
     pub fn force(&self, values: &[f64], sample: &Sample, friction: f64) -> f64 {
+        let mut moments = Moments::new(std::array::from_ref(sample));
+        moments.set_friction([friction]);
+        let [force] = self.forces(values, &moments);
+        force
+    }
+
+    /// Its force at each of some moments.
+    #[must_use]
+    pub fn forces<const N: usize>(&self, values: &[f64], moments: &Moments<N>) -> [f64; N] {
+        let samples = moments.samples;
         match self.formula {
             Formula::Equation { operations, .. } => {
-                let at = coordinates(sample, friction);
+                let at = &moments.coordinates;
                 // A fit asks for forces by the million: short equations need no memory of the heap.
-                let mut short = [0.0; SHORT];
+                let mut short = [[0.0; N]; SHORT];
                 if operations.len() <= SHORT {
-                    return operations::value(operations, values, &at, &mut short);
+                    return operations::values(operations, values, at, &mut short);
                 }
-                operations::value(operations, values, &at, &mut vec![0.0; operations.len()])
+                let mut long = vec![[0.0; N]; operations.len()];
+                operations::values(operations, values, at, &mut long)
             }
-            Formula::Code { force, .. } => force(values, sample, friction),
-            Formula::Repeats(often) => {
+            Formula::Code { force, .. } => {
+                let friction = moments.friction();
+                std::array::from_fn(|at| force(values, &samples[at], friction[at]))
+            }
+            Formula::Repeats(often) => samples.each_ref().map(|sample| {
                 let (sine, cosine) = (often * sample.position).sin_cos();
                 values[0] * cosine + values[1] * sine
-            }
-            Formula::Drift(at) => values[0] * sample.drifts[at] * sample.time / 60.0,
-            Formula::Offset(at) => values[0] * sample.offsets[at],
+            }),
+            Formula::Drift(at) => samples
+                .each_ref()
+                .map(|sample| values[0] * sample.drifts[at] * sample.time / 60.0),
+            Formula::Offset(at) => samples
+                .each_ref()
+                .map(|sample| values[0] * sample.offsets[at]),
         }
     }
 
