@@ -7,6 +7,7 @@ import pytest
 from conftest import PROGRAMS, diagnosed
 
 
+@pytest.mark.long
 def test_the_hysteresis_of_eq_6_2_is_named_under_it(tmp_path):
     effect = "acceleration_hysteresis"
     case = diagnosed(tmp_path, effect, effect, 47000, "--rough", "--size", "full")
@@ -24,14 +25,17 @@ def test_stiction_is_not_taken_for_it(tmp_path):
     assert finding["gap"]["held_out"]["closed"] > 0.98
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "effect", "seed", "size"),
     [
-        ("stiction", "stiction", 51002, "full"),  # once not found, since the base is far off
-        ("stiction", "stiction", 162002, "0.5"),  # once left to parameters that closed nothing: two breakaways show it
-        ("friction_wear", "friction_wear", 94022, "0.5"),  # once flagged, since a few windows gain or lose much by chance
-        ("normal_force_wobble_gauss", "normal_force_wobble", 51401, "full"),  # once flagged for what the right model leaves
+        # Once flagged, since a few windows gain or lose much by chance.
+        ("friction_wear", "friction_wear", 94022, "0.5"),
+        # Once not found, since the base is far off.
+        pytest.param("stiction", "stiction", 51002, "full", marks=pytest.mark.long),
+        # Once left to parameters that closed nothing: two breakaways show it.
+        pytest.param("stiction", "stiction", 162002, "0.5", marks=pytest.mark.long),
+        # Once flagged for what the right model leaves.
+        pytest.param("normal_force_wobble_gauss", "normal_force_wobble", 51401, "full", marks=pytest.mark.long),
     ],
 )
 def test_what_else_is_named_under_it(tmp_path, kind, effect, seed, size):
