@@ -147,7 +147,7 @@ pub fn value(
     value
 }
 
-/// As [`value`], at `LANES` places at once: each coordinate and each step has a number for each place.
+/// As [`value`], at `LANES` moments at once: each coordinate and each step has a number for each moment.
 ///
 /// # Panics
 /// As [`value`] does.
@@ -190,7 +190,7 @@ pub fn values<const LANES: usize>(
     last
 }
 
-/// A function of the number at each place; a plain loop, which the compiler vectorises.
+/// A function of the number at each moment; a plain loop, which the compiler vectorises.
 #[inline(always)]
 fn of_one<const LANES: usize>(a: &[f64; LANES], function: impl Fn(f64) -> f64) -> [f64; LANES] {
     let mut values = *a;
@@ -232,9 +232,9 @@ mod tests {
         assert_eq!(check(&operations, 1, 1), Ok(()));
         assert_eq!(value(&operations, &[2.0], &[3.0], &mut [0.0; 6]), 16.0);
         assert_eq!(check(&operations, 0, 1), Err(Fault::Missing(0)));
-        let places = [[3.0, -1.0, 0.5]];
+        let moments = [[3.0, -1.0, 0.5]];
         assert_eq!(
-            values(&operations, &[2.0], &places, &mut [[0.0; 3]; 6]),
+            values(&operations, &[2.0], &moments, &mut [[0.0; 3]; 6]),
             [16.0, 0.0, -1.5]
         );
     }

@@ -1,4 +1,4 @@
-//! Coordinates of equations at a moment of a record.
+//! Coordinates of equations at moments of a record.
 
 use operations::Operation;
 use stickslip::body::coordinate::{
@@ -43,13 +43,13 @@ impl<'a, const N: usize> Moments<'a, N> {
         }
     }
 
-    /// The friction of all that does not multiply it.
+    /// Friction at each moment, which some effects multiply; zero until it is set.
     #[must_use]
     pub fn friction(&self) -> &[f64; N] {
         &self.coordinates[FRICTION]
     }
 
-    /// Sets it.
+    /// Sets the friction at each moment.
     pub fn set_friction(&mut self, friction: [f64; N]) {
         self.coordinates[FRICTION] = friction;
     }
