@@ -94,14 +94,6 @@ impl HybridSystem<f64> for Opposed {
         }
     }
 
-    fn fold(&self, _: &Jet) -> Option<f64> {
-        None
-    }
-
-    fn leave_fold(&self, mode: &Side, _: &Jet) -> Side {
-        *mode
-    }
-
     fn describe(&self, mode: &Side) -> String {
         format!("{mode:?}").to_lowercase()
     }

@@ -140,14 +140,6 @@ impl HybridSystem<f64> for Body<f64> {
         }
     }
 
-    fn fold(&self, _jet: &BodyJet<f64>) -> Option<f64> {
-        None
-    }
-
-    fn leave_fold(&self, mode: &Mode, _jet: &BodyJet<f64>) -> Mode {
-        *mode
-    }
-
     fn describe(&self, mode: &Mode) -> String {
         match mode.motion {
             Motion::Slides(Direction::Forward) => "sliding forward",

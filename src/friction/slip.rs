@@ -224,15 +224,8 @@ impl<S: Scalar> Slip<'_, S> {
             return (acceleration, false, false);
         }
         let (e, v) = (resisting.value(), speed.value());
-        let plain = TwoGaussian {
-            heights: law.heights.map(Scalar::value),
-            peaks: law.peaks.map(Scalar::value),
-            widths: law.widths.map(Scalar::value),
-            omega_centre: law.omega_centre.value(),
-            acceleration_semi_axis: law.acceleration_semi_axis.value(),
-        };
         let loop_function = LoopFunction {
-            law: plain,
+            law: law.plain(),
             speed: v,
             inertia: self.inertia.value(),
             load: self.load[0].value(),

@@ -31,6 +31,17 @@ pub fn acceleration_angle(speed: f64, rate: f64, omega_centre: f64, semi_axis: f
 pub(super) const WORKSPACE: usize = 11;
 
 impl<S: Scalar> TwoGaussian<S> {
+    /// The same without derivatives.
+    pub fn plain(&self) -> TwoGaussian<f64> {
+        TwoGaussian {
+            heights: self.heights.map(Scalar::value),
+            peaks: self.peaks.map(Scalar::value),
+            widths: self.widths.map(Scalar::value),
+            omega_centre: self.omega_centre.value(),
+            acceleration_semi_axis: self.acceleration_semi_axis.value(),
+        }
+    }
+
     /// Level at the angle `alpha`.
     pub fn at_angle(&self, alpha: S) -> S {
         self.gaussian(0, alpha) * self.heights[0] + self.gaussian(1, alpha) * self.heights[1]

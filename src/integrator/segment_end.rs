@@ -49,15 +49,20 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         if step.is_nan() {
             return Err(self.overflow());
         }
-        step = step.min(self.system.reach(&self.jet));
         self.end = End::Step;
-        if let Some(tau) = self.system.fold(&self.jet) {
-            if tau <= step {
+        let held = self.system.reach(&self.jet);
+        match self.system.fold(&self.mode, &self.jet) {
+            // That the derivatives' series end there is taken care of, but for those without the fast modes.
+            Some(tau) if tau <= if settled { step.min(held) } else { step } => {
                 step = tau;
                 self.end = End::Fold;
-            } else {
-                // The series does not converge beyond; which root comes next must stay certain.
-                step = step.min(0.5 * tau);
+            }
+            // The series does not converge beyond; which root comes next must stay certain.
+            Some(tau) => step = step.min(held).min(0.5 * tau),
+            None => {
+                step = self
+                    .system
+                    .short_of_fold(&self.mode, &self.jet, step.min(held));
             }
         }
         let reach = step;
@@ -79,6 +84,10 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
                 lost = Some(position);
             }
         }
+        // Of a segment up to a fold the derivatives hold at its start and at the fold.
+        if lost.is_some() && step > held {
+            (step, lost, self.end) = (held, None, End::Step);
+        }
         let floor = 4.0 * f64::EPSILON * self.start.value().abs().max(1e-3);
         if step < floor && lost.is_none() && self.end == End::Step {
             return Err(IntegrationError::StepTooSmall {
@@ -88,6 +97,12 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
             });
         }
         self.length = S::constant(step);
+        if self.end == End::Fold && lost.is_none() && S::HAS_DERIVATIVES {
+            self.length = self
+                .system
+                .fold_instant(&self.mode, &self.jet)
+                .with_value(step);
+        }
         if let Some(position) = lost {
             let guard = &self.system.guards(&self.jet)[position];
             let kind = guard.kind;

@@ -182,7 +182,9 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
                 self.count_simultaneous()?;
             }
             End::Fold => {
-                self.mode = self.system.leave_fold(&self.mode, &self.jet);
+                self.mode = self
+                    .system
+                    .leave_fold(&self.mode, &mut self.state, &self.jet);
                 self.statistics.switches += 1;
                 self.statistics.branch_jumps += 1;
                 self.count_simultaneous()?;

@@ -124,10 +124,30 @@ pub trait HybridSystem<S: Scalar> {
 
     /// If the motion runs into a singular point where a branch of the right-hand side ends (a fold)
     /// within the segment just expanded, the local time of the fold.
-    fn fold(&self, jet: &Self::Jet) -> Option<f64>;
+    fn fold(&self, _mode: &Self::Mode, _jet: &Self::Jet) -> Option<f64> {
+        None
+    }
 
-    /// The mode beyond the fold that [`Self::fold`] found in `jet`.
-    fn leave_fold(&self, mode: &Self::Mode, jet: &Self::Jet) -> Self::Mode;
+    /// `step` [s], or a part of it that does not reach beyond a fold too far away for [`Self::fold`] to tell.
+    fn short_of_fold(&self, _mode: &Self::Mode, _jet: &Self::Jet, step: f64) -> f64 {
+        step
+    }
+
+    /// The derivatives of the fold's local time; only numbers with derivatives are asked.
+    fn fold_instant(&self, _mode: &Self::Mode, _jet: &Self::Jet) -> S {
+        S::ZERO
+    }
+
+    /// The mode beyond the fold that [`Self::fold`] found in `jet`; may put the derivatives of the state right, whose series do not
+    /// converge there.
+    fn leave_fold(
+        &self,
+        mode: &Self::Mode,
+        _state: &mut Self::State,
+        _jet: &Self::Jet,
+    ) -> Self::Mode {
+        *mode
+    }
 
     /// One line that names the mode, for messages.
     fn describe(&self, mode: &Self::Mode) -> String;

@@ -27,8 +27,7 @@ pub struct Sensitivities {
     pub state: RigState<f64>,
     /// dx/dp, one state for each parameter asked for.
     pub derivatives: Vec<RigState<f64>>,
-    /// Whether the motion only grazed a switch, or jumped between branches of a many-valued loop:
-    /// there the derivatives do not exist or are not carried on.
+    /// Whether the motion only grazed a switch: there the derivatives do not exist.
     pub interrupted: bool,
 }
 
@@ -67,7 +66,7 @@ pub fn sensitivities(
                 results.push(Sensitivities {
                     state: now.map(|x| x.value),
                     derivatives: Vec::new(),
-                    interrupted: statistics.grazing + statistics.branch_jumps > 0,
+                    interrupted: statistics.grazing > 0,
                 });
             }
             let derivatives = (0..names.len()).map(|slot| now.map(|x| x.derivative[slot]));

@@ -16,4 +16,4 @@ pub use power_series::{
 };
 pub use root::first_loss_of_sign;
 pub use scalar::Scalar;
-pub use vertical_tangent::first_vertical_tangent;
+pub use vertical_tangent::{TangentWeights, VerticalTangent};

@@ -51,8 +51,7 @@ pub struct Derivatives {
     pub names: Vec<(&'static str, String)>,
     /// Derivatives over time, a column for each pair; in the state's unit over the parameter's.
     pub columns: Vec<Vec<f64>>,
-    /// Row from which on they do not exist or are not carried on: the motion grazed a switch there, or jumped between
-    /// branches of a many-valued loop.
+    /// Row from which on they do not exist: the motion grazed a switch there.
     pub interrupted: Option<usize>,
 }
 
@@ -176,7 +175,7 @@ impl<'a> Run<'a> {
 
     fn is_interrupted(&self) -> bool {
         let statistics = self.simulation.statistics();
-        statistics.grazing + statistics.branch_jumps > 0
+        statistics.grazing > 0
     }
 }
 

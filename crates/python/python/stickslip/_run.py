@@ -62,8 +62,7 @@ class Run:
         Derivatives of the states with respect to parameters over time, in the state's unit over the parameter's; columns
         are pairs of state and parameter, shape (rows, states × parameters).
     derivatives_end : float or None
-        Time [s] from which on the derivatives do not exist or are not carried on: the motion grazed a switch there, or jumped
-        between branches of a many-valued law.
+        Time [s] from which on the derivatives do not exist: the motion grazed a switch there.
     summary : Summary or None
         What the run came to; None where it was interrupted or has no column ``theta_dot``.
 
