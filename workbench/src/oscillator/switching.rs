@@ -174,14 +174,6 @@ impl HybridSystem<f64> for Oscillator {
         }
     }
 
-    fn fold(&self, _jet: &OscillatorJet) -> Option<f64> {
-        None
-    }
-
-    fn leave_fold(&self, mode: &ContactMode, _jet: &OscillatorJet) -> ContactMode {
-        *mode
-    }
-
     fn describe(&self, mode: &ContactMode) -> String {
         match mode {
             ContactMode::Stuck => "stuck",
