@@ -60,7 +60,7 @@ impl VerticalTangent {
             .iter()
             .map(|&k| (rate[k] * distance.powi(k as i32)).abs())
             .sum();
-        (tail < CONVERGED).then(|| Self {
+        (tail < CONVERGED).then_some(Self {
             value: start + slope * unit * distance,
             distance,
             slope,
