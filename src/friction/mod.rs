@@ -25,7 +25,7 @@ pub use coulomb_stiction::CoulombStiction;
 pub use karnopp::Karnopp;
 pub use law::{LAW_NAMES, Law};
 pub use random_function::{HARMONICS, RandomFunction};
-pub use slip::{Slip, SlipJet};
+pub use slip::{LoopFunction, Slip, SlipJet};
 pub use slopes::{KnownSlip, LevelSlopes, MOST_PARAMETERS};
 pub use stribeck::{ExponentialCurve, Stribeck};
 pub use switch::Switch;

@@ -260,13 +260,18 @@ enum Root {
     Between,
 }
 
-/// F(a) = J a + L μ(ω, a) + E over plain numbers.
-struct LoopFunction {
-    law: TwoGaussian<f64>,
-    speed: f64,
-    inertia: f64,
-    load: f64,
-    offset: f64,
+/// The algebraic loop F(a) = J a + L μ(ω, a) + E of a sliding contact, without derivatives.
+pub struct LoopFunction {
+    /// Its law.
+    pub law: TwoGaussian<f64>,
+    /// Slip speed ω [rad/s].
+    pub speed: f64,
+    /// Inertia J [kg m²].
+    pub inertia: f64,
+    /// Normal force × radius L [N m], or 1 for a law of the torque.
+    pub load: f64,
+    /// All torques E [N m] that resist the motion beside the law.
+    pub offset: f64,
 }
 
 impl LoopFunction {
@@ -283,7 +288,8 @@ impl LoopFunction {
         !self.law.jumps_at(self.speed) || a.is_sign_negative() == near.is_sign_negative()
     }
 
-    fn follow(&self, near: f64) -> Option<f64> {
+    /// The stable root [rad/s²] to which Newton's method leads from `near` on its side of zero; `None` where the branch has ended.
+    pub fn follow(&self, near: f64) -> Option<f64> {
         let mut a = near;
         for _ in 0..25 {
             let (value, slope) = self.value_and_slope(a);

@@ -16,4 +16,4 @@ pub(crate) use segment_end::SETTLED_SHARE;
 pub use simulation::Simulation;
 pub use statistics::Statistics;
 pub(crate) use step_size::from_last_terms as step_from_last_terms;
-pub use system::{Guard, HybridSystem};
+pub use system::{Fold, Guard, HybridSystem};

@@ -2,7 +2,7 @@
 
 use super::piece::End;
 use super::step_size::from_last_terms;
-use super::{HybridSystem, IntegrationError, Simulation};
+use super::{Fold, HybridSystem, IntegrationError, Simulation};
 use crate::series::{Scalar, evaluate, evaluate_derivative, first_loss_of_sign, lower_bound};
 
 /// Relative size below which a leading coefficient of the guard that was just crossed is rounding.
@@ -49,22 +49,19 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
         if step.is_nan() {
             return Err(self.overflow());
         }
-        self.end = End::Step;
         let held = self.system.reach(&self.jet);
-        match self.system.fold(&self.mode, &self.jet) {
-            // That the derivatives' series end there is taken care of, but for those without the fast modes.
-            Some(tau) if tau <= if settled { step.min(held) } else { step } => {
-                step = tau;
-                self.end = End::Fold;
+        // At a fold the derivatives are found without their series, but only from series that have the fast modes.
+        let asked = if settled { step.min(held) } else { step };
+        let fold = match self.system.fold(&self.mode, &self.jet, asked) {
+            Fold::At(instant) => {
+                step = instant.value();
+                Some(instant)
             }
-            // The series does not converge beyond; which root comes next must stay certain.
-            Some(tau) => step = step.min(held).min(0.5 * tau),
-            None => {
-                step = self
-                    .system
-                    .short_of_fold(&self.mode, &self.jet, step.min(held));
+            Fold::Beyond(short) => {
+                step = short.min(held);
+                None
             }
-        }
+        };
         let reach = step;
         let mut lost = None;
         for (position, guard) in self.system.guards(&self.jet).iter().enumerate() {
@@ -84,25 +81,23 @@ impl<S: Scalar, P: HybridSystem<S>> Simulation<S, P> {
                 lost = Some(position);
             }
         }
-        // Of a segment up to a fold the derivatives hold at its start and at the fold.
+        let mut fold = fold.filter(|_| lost.is_none());
         if lost.is_some() && step > held {
-            (step, lost, self.end) = (held, None, End::Step);
+            // A switch before a fold needs the derivatives between the segment's start and the fold.
+            (step, lost, fold) = (held, None, None);
         }
         let floor = 4.0 * f64::EPSILON * self.start.value().abs().max(1e-3);
-        if step < floor && lost.is_none() && self.end == End::Step {
+        if step < floor && lost.is_none() && fold.is_none() {
             return Err(IntegrationError::StepTooSmall {
                 time: self.start.value(),
                 step,
                 mode: self.system.describe(&self.mode),
             });
         }
-        self.length = S::constant(step);
-        if self.end == End::Fold && lost.is_none() && S::HAS_DERIVATIVES {
-            self.length = self
-                .system
-                .fold_instant(&self.mode, &self.jet)
-                .with_value(step);
-        }
+        (self.length, self.end) = match fold {
+            Some(instant) => (instant, End::Fold),
+            None => (S::constant(step), End::Step),
+        };
         if let Some(position) = lost {
             let guard = &self.system.guards(&self.jet)[position];
             let kind = guard.kind;

@@ -12,6 +12,15 @@ pub struct Guard<K> {
     pub series: Series<f64>,
 }
 
+/// Where the branch that a motion follows ends.
+#[derive(Clone, Copy, Debug)]
+pub enum Fold<S> {
+    /// At this local time [s], with the derivatives of the instant.
+    At(S),
+    /// Not within this time [s], which may be a part of the step asked for.
+    Beyond(f64),
+}
+
 /// A system that is analytic within each of its modes and changes mode where a guard is lost.
 ///
 /// Everything is pure: modes and states are values that the integrator holds, and they change only
@@ -122,24 +131,14 @@ pub trait HybridSystem<S: Scalar> {
         jet: &mut Self::Jet,
     ) -> Self::Mode;
 
-    /// If the motion runs into a singular point where a branch of the right-hand side ends (a fold)
-    /// within the segment just expanded, the local time of the fold.
-    fn fold(&self, _mode: &Self::Mode, _jet: &Self::Jet) -> Option<f64> {
-        None
+    /// Whether a branch of the right-hand side ends (a fold, a singular point of the motion) within `step` [s] of the segment just
+    /// expanded.
+    fn fold(&self, _mode: &Self::Mode, _jet: &Self::Jet, step: f64) -> Fold<S> {
+        Fold::Beyond(step)
     }
 
-    /// `step` [s], or a part of it that does not reach beyond a fold too far away for [`Self::fold`] to tell.
-    fn short_of_fold(&self, _mode: &Self::Mode, _jet: &Self::Jet, step: f64) -> f64 {
-        step
-    }
-
-    /// The derivatives of the fold's local time; only numbers with derivatives are asked.
-    fn fold_instant(&self, _mode: &Self::Mode, _jet: &Self::Jet) -> S {
-        S::ZERO
-    }
-
-    /// The mode beyond the fold that [`Self::fold`] found in `jet`; may put the derivatives of the state right, whose series do not
-    /// converge there.
+    /// The mode beyond the fold that [`Self::fold`] found in `jet`; corrects derivatives of the state there, since their series do not
+    /// converge at a singular point.
     fn leave_fold(
         &self,
         mode: &Self::Mode,

@@ -1,11 +1,10 @@
 //! How a rig changes its modes.
 
-use super::folds::{Arrival, next_fold, short_of_folds};
 use super::index::{BRISTLE1, OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3};
 use super::{Contact, Coupling, Rig, RigGuard, RigInputs, RigJet, RigMode, RigState};
 use crate::expression::SITES;
 use crate::friction::{ContactMode, Direction, Law, Regime};
-use crate::integrator::{Guard, HybridSystem};
+use crate::integrator::{Fold, Guard, HybridSystem};
 use crate::series::{Scalar, Series, evaluate, evaluate_derivative};
 
 impl<S: Scalar> Rig<S> {
@@ -458,29 +457,12 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
         mode
     }
 
-    fn fold(&self, mode: &RigMode, jet: &RigJet<S>) -> Option<f64> {
-        next_fold(self, mode, jet).map(|(time, _)| time)
-    }
-
-    fn short_of_fold(&self, mode: &RigMode, jet: &RigJet<S>, step: f64) -> f64 {
-        short_of_folds(self, mode, jet, step)
-    }
-
-    fn fold_instant(&self, mode: &RigMode, jet: &RigJet<S>) -> S {
-        Arrival::at_next_fold(self, mode, jet).map_or(S::ZERO, |arrival| arrival.instant)
+    fn fold(&self, mode: &RigMode, jet: &RigJet<S>, step: f64) -> Fold<S> {
+        self.fold_within(mode, jet, step)
     }
 
     fn leave_fold(&self, mode: &RigMode, state: &mut RigState<S>, jet: &RigJet<S>) -> RigMode {
-        if S::HAS_DERIVATIVES
-            && let Some(arrival) = Arrival::at_next_fold(self, mode, jet)
-        {
-            let velocity = &mut state[arrival.velocity];
-            *velocity = arrival.at_fold.with_value(velocity.value());
-        }
-        let mut mode = *mode;
-        let contact = next_fold(self, &mode, jet).map(|(_, contact)| contact);
-        mode.folded = [Contact::Disc, Contact::Disc1].map(|disc| contact == Some(disc));
-        mode
+        self.pass_fold(mode, state, jet)
     }
 
     fn describe(&self, mode: &RigMode) -> String {
