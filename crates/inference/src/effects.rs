@@ -119,10 +119,23 @@ impl Effect {
         )
     }
 
-    /// Dotted name of the number that vanishes where the law becomes a simpler one: Stribeck's becomes stiction.
+    /// The numbers that make the effect vanish, or its law become a simpler one, once all have these values: dotted names, and the
+    /// values. None for effects that only vanish far away: bristles that are infinitely stiff.
     #[must_use]
-    pub fn vanishing(&self) -> Option<&'static str> {
-        matches!(self.form, Form::Stribeck).then_some("contact.omega_s")
+    pub fn vanishing(&self) -> Vec<(String, f64)> {
+        let dotted = |key: &str, value: f64| (format!("{}.{key}", self.name), value);
+        match &self.form {
+            Form::One { key, origin, .. } => vec![dotted(key, *origin)],
+            Form::Polar { amplitude, .. } => vec![dotted(amplitude, 0.0)],
+            Form::Exponent => vec![dotted("exponent", 1.0)],
+            Form::Relaxation => vec![dotted("stiffness", 0.0)],
+            Form::Equation(equation) => equation
+                .vanishing()
+                .map(|(key, value)| dotted(key, value))
+                .collect(),
+            Form::Stribeck => vec![("contact.omega_s".to_owned(), 0.0)],
+            Form::Bristles | Form::Stiction | Form::Hysteresis => Vec::new(),
+        }
     }
 
     /// Whether a rig has what the effect acts on.

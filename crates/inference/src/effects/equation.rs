@@ -158,6 +158,15 @@ impl Equation {
         self.definition.name()
     }
 
+    /// Keys of the numbers that make it vanish, with the values where they do.
+    pub fn vanishing(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let numbers = self.definition.infos().iter().zip(&self.numbers);
+        numbers.filter_map(|(info, number)| match *number {
+            Number::Amplitude { origin, .. } => Some((info.key, origin)),
+            _ => None,
+        })
+    }
+
     /// Whether some of its numbers shape it, of which no derivative tells before there is an effect.
     pub fn has_shape(&self) -> bool {
         self.numbers

@@ -20,19 +20,19 @@ pub struct Candidate {
     pub told: Told,
     /// Log likelihood of windows under what the other half of the records teaches.
     pub foretold: Told,
-    /// Whether a law of the set is what it becomes in its limit, as far as its numbers are known.
-    pub is_at_limit: bool,
+    /// Whether one of its effects may as well be none, or its law a simpler one, as far as its numbers are known.
+    pub may_vanish: bool,
     /// Probability that replicas of the records without one of its effects gain as much by it; `None` where there was no doubt.
     pub p_value: Option<f64>,
 }
 
 impl Candidate {
-    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, whose
-    /// law may as well be the one that it becomes in its limit, or that replicas gain from too.
+    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, one
+    /// of whose effects may as well be none, or that replicas gain from too.
     #[must_use]
     pub fn score(&self) -> f64 {
         let hypothesis = &self.fit.hypothesis;
-        if hypothesis.at_an_end().is_empty() && !self.is_at_limit && self.p_value.is_none() {
+        if hypothesis.at_an_end().is_empty() && !self.may_vanish && self.p_value.is_none() {
             self.odds()
         } else {
             f64::NEG_INFINITY
@@ -87,28 +87,29 @@ pub(super) fn candidate(problem: &Problem, fit: Fit) -> Candidate {
         .iter()
         .filter(|effect| fit.hypothesis.effects.iter().any(|own| own == effect.name))
         .collect();
-    let is_at_limit = is_at_limit(&fit, &problem.long, &added);
+    let may_vanish = may_vanish(&fit, &problem.long, &added);
     Candidate {
         effects: added.iter().map(|effect| effect.name).collect(),
         fit,
         evidence,
         told,
         foretold,
-        is_at_limit,
+        may_vanish,
         p_value: None,
     }
 }
 
-/// Whether the number that tells an effect from its limit is within its 95 % interval of vanishing. There the windows say the same
-/// of all its values, so that Laplace's method charges nothing for it, and the simpler law could never win.
-fn is_at_limit(fit: &Fit, data: &Data, effects: &[&Effect]) -> bool {
-    let telling: Vec<&str> = effects
+/// Whether all numbers that make one of the effects vanish are within their 95 % intervals of doing so. Such a set is one without the
+/// effect: where it explains more all the same, its fit has found other starts. Laplace's method cannot tell: the windows may say the
+/// same of all values down to the vanishing one, so that it charges nothing for them.
+fn may_vanish(fit: &Fit, data: &Data, effects: &[&Effect]) -> bool {
+    let estimates = fit.estimates(data);
+    let is_near = |(name, value): (String, f64)| {
+        let own = estimates.iter().find(|own| own.name == name);
+        own.is_some_and(|own| (own.value - value).abs() < SURELY * own.deviation)
+    };
+    effects
         .iter()
-        .filter_map(|effect| effect.vanishing())
-        .collect();
-    !telling.is_empty()
-        && fit
-            .estimates(data)
-            .iter()
-            .any(|own| telling.contains(&own.name.as_str()) && own.value < SURELY * own.deviation)
+        .map(|effect| effect.vanishing())
+        .any(|numbers| !numbers.is_empty() && numbers.into_iter().all(is_near))
 }
