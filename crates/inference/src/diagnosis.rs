@@ -7,7 +7,7 @@ use crate::fit::Fit;
 use crate::learned::{Learned, learn};
 use crate::policy::{NAMED, SURELY};
 use crate::problem::Problem;
-use crate::search::{Candidate, search};
+use crate::search::{Candidate, Objection, search};
 use crate::structure::{Structure, structures};
 
 /// What a diagnosis comes to.
@@ -32,8 +32,10 @@ pub struct Rival {
     pub effects: Vec<&'static str>,
     /// Posterior probability of the set, 0 … 1.
     pub probability: f64,
-    /// Log odds of the set against the best one; −∞ for a set that is no answer ([`Candidate::score`]).
+    /// Log odds of the set against the best one.
     pub score: f64,
+    /// Why it is no answer, if it is none.
+    pub objection: Option<Objection>,
     /// Gain of the best set over this one in ln likelihood on windows that were not fitted to.
     pub margin: f64,
     /// Standard error of that gain, from the scatter of blocks of windows.
@@ -42,12 +44,8 @@ pub struct Rival {
     pub gain: f64,
     /// Standard error of that gain.
     pub gain_error: f64,
-    /// Numbers whose best value is the end of their range, by dotted name.
-    pub at_an_end: Vec<String>,
     /// Whether its fit converged.
     pub is_converged: bool,
-    /// Probability that replicas of the records without one of its effects gain as much by it, where that is no surprise.
-    pub p_value: Option<f64>,
 }
 
 /// All that was found, in the plant's units ([`Problem::units`]).
@@ -87,7 +85,10 @@ impl Diagnosis {
     /// The fit that the amended model is made of: the best set where it is named, else the analyst's refitted model.
     #[must_use]
     pub fn amended(&self) -> &Fit {
-        amended(self.verdict, &self.best, &self.base)
+        match self.verdict {
+            Verdict::Named | Verdict::Ambiguous => &self.best,
+            _ => &self.base,
+        }
     }
 }
 
@@ -129,27 +130,23 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
     } else {
         Verdict::Ambiguous
     };
-    progress("what replicas of the records tell of the numbers");
-    let amended = amended(verdict, &best.fit, &found.base.fit);
+    let numbers = if verdict == Verdict::NotInCatalogue && !best.effects.is_empty() {
+        found.base.fit.replayed_estimates(problem)
+    } else {
+        found.numbers
+    };
     Diagnosis {
         verdict,
         effects: best.effects.clone(),
         probability,
         ranking,
-        numbers: amended.replayed_estimates(problem),
+        numbers,
         base: found.base.fit.clone(),
         best: best.fit.clone(),
         structure,
         structure_left,
         check,
         learned,
-    }
-}
-
-fn amended<'a>(verdict: Verdict, best: &'a Fit, base: &'a Fit) -> &'a Fit {
-    match verdict {
-        Verdict::Named | Verdict::Ambiguous => best,
-        _ => base,
     }
 }
 
@@ -174,48 +171,39 @@ fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec
     let data = &problem.long;
     let losses = |candidate: &Candidate| candidate.fit.held_out_losses(data);
     let (best, nothing) = (losses(&candidates[0]), losses(base));
-    let scored: Vec<(f64, Vec<Option<f64>>)> = candidates
+    // The first set counts whatever speaks against it: there is none that is better.
+    let weight = |place: usize, candidate: &Candidate| match candidate.objection {
+        Some(_) if place > 0 => 0.0,
+        _ => candidate.odds_over(&candidates[0]).exp(),
+    };
+    let weighed = candidates.iter().enumerate();
+    let all: f64 = weighed.map(|(place, own)| weight(place, own)).sum();
+    let mut ranking: Vec<Rival> = candidates
         .iter()
         .enumerate()
         .map(|(place, candidate)| {
             let own = losses(candidate);
-            let is_no_answer = candidate.score() == f64::NEG_INFINITY;
-            let score = if place > 0 && is_no_answer {
-                f64::NEG_INFINITY
-            } else {
-                candidate.odds_over(&candidates[0])
-            };
-            (score, own)
-        })
-        .collect();
-    let all: f64 = scored.iter().map(|(score, _)| score.exp()).sum();
-    let mut ranking: Vec<Rival> = candidates
-        .iter()
-        .zip(scored)
-        .map(|(candidate, (score, own))| {
             let (margin, margin_error) = gain(&own, &best);
             let (gain, gain_error) = gain(&nothing, &own);
             Rival {
                 effects: candidate.effects.clone(),
-                probability: score.exp() / all,
-                score,
+                probability: weight(place, candidate) / all,
+                score: candidate.odds_over(&candidates[0]),
+                objection: candidate.objection.clone(),
                 margin,
                 margin_error,
                 gain,
                 gain_error,
-                at_an_end: candidate
-                    .fit
-                    .hypothesis
-                    .at_an_end()
-                    .into_iter()
-                    .map(str::to_owned)
-                    .collect(),
                 is_converged: candidate.fit.is_converged,
-                p_value: candidate.p_value,
             }
         })
         .collect();
-    ranking[1..].sort_by(|a, b| b.score.total_cmp(&a.score));
+    ranking[1..].sort_by(|a, b| {
+        let is_objected = |own: &Rival| own.objection.is_some();
+        is_objected(a)
+            .cmp(&is_objected(b))
+            .then(b.score.total_cmp(&a.score))
+    });
     ranking
 }
 

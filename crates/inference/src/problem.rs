@@ -120,6 +120,13 @@ impl Problem {
         self.effects.iter().find(|effect| effect.name == name)
     }
 
+    /// The effects that a hypothesis has beside the analyst's model, in the catalogue's order.
+    #[must_use]
+    pub fn effects_of(&self, hypothesis: &Hypothesis) -> Vec<&Effect> {
+        let has = |effect: &&Effect| hypothesis.effects.iter().any(|own| own == effect.name);
+        self.effects.iter().filter(has).collect()
+    }
+
     /// The same problem with at most about `most` windows, spread over the records.
     #[must_use]
     pub fn part(&self, most: usize) -> Self {

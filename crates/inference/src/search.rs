@@ -5,10 +5,11 @@ mod doubt;
 mod looks;
 mod race;
 
-pub use self::candidate::Candidate;
 use self::candidate::candidate;
+pub use self::candidate::{Candidate, Objection};
 use self::looks::{followed, looks, swapped};
 use self::race::race;
+use crate::certainty::ReplayedEstimates;
 use crate::effects::Effect;
 use crate::fit::{Fit, STEPS, rescue, worse};
 use crate::hypothesis::Hypothesis;
@@ -32,6 +33,8 @@ const RIVALS: usize = 3;
 pub struct Search {
     /// Sets with effects or none, by score.
     pub candidates: Vec<Candidate>,
+    /// Values and deviations of all that is free in the first of them.
+    pub numbers: ReplayedEstimates,
     /// The analyst's model with its parameters refitted.
     pub base: Candidate,
 }
@@ -69,11 +72,7 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
         .map(|fit| candidate(problem, fit))
         .collect();
     explore(problem, &mut whole, open, progress);
-    if !whole[0].fit.is_converged {
-        let fit = whole[0].fit.clone().improved(&problem.long, 2 * STEPS);
-        whole[0] = candidate(problem, fit);
-    }
-    doubt::weigh(problem, &mut whole, progress);
+    let numbers = doubt::weigh(problem, &mut whole, progress);
     let base = whole
         .iter()
         .find(|candidate| candidate.effects.is_empty())
@@ -81,6 +80,7 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
         .unwrap_or(first);
     Search {
         candidates: whole,
+        numbers,
         base,
     }
 }
@@ -129,8 +129,8 @@ fn explore(
         }
         try_laws(problem, &current, known, progress);
         for larger in stand_ins(&current, known) {
-            if larger.score() == f64::NEG_INFINITY {
-                // A number at the limit of its range may mean that the law started at the wrong place for the effect beside it.
+            if larger.objection.is_some() {
+                // The law may have started at the wrong place for the effect beside it.
                 try_laws(problem, &larger, known, progress);
             }
             let extra = |name: &&&'static str| !current.effects.contains(*name);
@@ -147,8 +147,8 @@ fn explore(
     }
 }
 
-/// Sets of one effect more than `current` that explain more, whether they lead or are no answer, since a number of that effect ends
-/// its range: what they explain, the numbers of the others may explain as well once they are free to get there.
+/// Sets of one effect more than `current` that explain more, whether they lead or are no answer: what they explain, the numbers of the
+/// others may explain as well once they are free to get there.
 fn stand_ins(current: &Candidate, known: &[Candidate]) -> Vec<Candidate> {
     known
         .iter()
@@ -159,10 +159,9 @@ fn stand_ins(current: &Candidate, known: &[Candidate]) -> Vec<Candidate> {
                     .effects
                     .iter()
                     .all(|name| larger.effects.contains(name))
-                && if larger.score() > f64::NEG_INFINITY {
-                    larger.odds_over(current) > 0.0
-                } else {
-                    larger.evidence > current.evidence
+                && match larger.objection {
+                    None => larger.odds_over(current) > 0.0,
+                    Some(_) => larger.evidence > current.evidence,
                 }
         })
         .cloned()
@@ -174,8 +173,7 @@ fn best_first(known: &mut [Candidate]) {
     known.sort_by(|a, b| b.score().total_cmp(&a.score()));
     let mut best = 0;
     for other in 1..known.len() {
-        let counts = known[other].score() > f64::NEG_INFINITY;
-        if counts && known[other].odds_over(&known[best]) > 0.0 {
+        if known[other].objection.is_none() && known[other].odds_over(&known[best]) > 0.0 {
             best = other;
         }
     }

@@ -170,7 +170,7 @@ pub struct Ranked {
     pub gain: f64,
     /// Interval that covers the gain with 95 % probability.
     pub interval95: [f64; 2],
-    /// Log evidence with prior odds, less that of the best set; absent where a number is best at the end of its range.
+    /// Log evidence with prior odds, less that of the best set; absent for a set that is no answer.
     #[serde(default)]
     pub score: Option<f64>,
     /// Posterior probability of the set, 0 … 1.

@@ -5,7 +5,7 @@ use inference::fit::Fit;
 use inference::hypothesis::Estimate;
 use inference::policy::RIVAL;
 use inference::problem::Problem;
-use inference::search::{Candidate, fit_effects};
+use inference::search::{Candidate, Objection, fit_effects};
 use inference::structure::structures;
 
 use super::amend::{AmendError, FittedRig, NOT_APPLICABLE, found_effects, refitted};
@@ -141,15 +141,17 @@ fn ranked(rival: &Rival) -> Ranked {
         name: joined(&rival.effects),
         gain,
         interval95: [gain - reach, gain + reach],
-        score: finite(rival.score),
+        score: match rival.objection {
+            None => finite(rival.score),
+            Some(_) => None,
+        },
         probability: finite(rival.probability),
         margin: finite(rival.margin),
         margin_error: finite(rival.margin_error),
     }
 }
 
-/// What became of sets that came first, or would have: a failed check, a number at the end of its range, a fit that did not
-/// converge.
+/// What became of sets that came first, or would have: a failed check, an objection, a fit that did not converge.
 fn fates(found: &Diagnosis) -> Vec<String> {
     let mut notes = Vec::new();
     let Some(best) = found.ranking.first() else {
@@ -180,31 +182,36 @@ fn fates(found: &Diagnosis) -> Vec<String> {
     if !best.effects.is_empty() && !best.is_converged {
         notes.push(format!("the fit of {name} did not converge: its numbers may be off by more than their intervals"));
     }
-    let rejected = found
-        .ranking
-        .iter()
-        .filter(|rival| !rival.at_an_end.is_empty() && rival.gain > best.gain.max(0.0))
-        .max_by(|a, b| a.gain.total_cmp(&b.gain));
-    if let Some(rival) = rejected {
+    let leading = found.ranking.iter().filter(|rival| rival.score > 0.0);
+    let rejected = leading
+        .filter_map(|rival| Some((rival, rival.objection.as_ref()?)))
+        .max_by(|a, b| a.0.score.total_cmp(&b.0.score));
+    if let Some((rival, objection)) = rejected {
         notes.push(format!(
-            "{} would gain {} in ln likelihood, but is not considered: the best value of its number {} is the end of its range",
+            "{} would come first, {} ahead in log evidence, but is no answer: {}",
             readable(&joined(&rival.effects)),
-            number(rival.gain),
-            rival.at_an_end.join(", ")
-        ));
-    }
-    let by_chance = found.ranking.iter();
-    let by_chance = by_chance.filter_map(|rival| Some((rival, rival.p_value?)));
-    if let Some((rival, p_value)) = by_chance.max_by(|a, b| a.0.gain.total_cmp(&b.0.gain)) {
-        notes.push(format!(
-            "{} would gain {} in ln likelihood, but is not named: replicas of the records, made without what it adds, gain as much \
-             with a probability of {}",
-            readable(&joined(&rival.effects)),
-            number(rival.gain - best.gain),
-            number(p_value)
+            number(rival.score),
+            in_words(objection)
         ));
     }
     notes
+}
+
+fn in_words(objection: &Objection) -> String {
+    match objection {
+        Objection::AtAnEnd(numbers) => format!(
+            "the best value of its number {} is the end of its range",
+            numbers.join(", ")
+        ),
+        Objection::MayVanish(effects) => format!(
+            "{} may as well be absent, since the 95 % interval of its size contains zero",
+            readable(&joined(effects))
+        ),
+        Objection::ByChance(p_value) => format!(
+            "replicas of the records, made without what it adds, gain as much with a probability of {}",
+            number(*p_value)
+        ),
+    }
 }
 
 /// Where the model and the records disagree, with the nominal parameters refitted; no verdict is reached.

@@ -4,8 +4,22 @@ use crate::data::Data;
 use crate::effects::Effect;
 use crate::evidence::Told;
 use crate::fit::Fit;
+use crate::hypothesis::Estimate;
 use crate::policy::{LN_PRIOR_ODDS, SURELY};
 use crate::problem::Problem;
+
+/// Why a set of effects is no answer, whatever its evidence.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Objection {
+    /// These numbers are best where their ranges end, by dotted name.
+    AtAnEnd(Vec<String>),
+    /// Each of these effects may be none, or its law a simpler one: the 95 % intervals of all numbers that make it vanish contain the
+    /// values at which it does. Such a set is one without the effect, and where it explains more all the same, its fit has found other
+    /// starts of windows. Laplace's method cannot tell, since it charges nothing for a number all of whose values say the same.
+    MayVanish(Vec<&'static str>),
+    /// Probability that replicas of the records without one of its effects gain as much by it.
+    ByChance(f64),
+}
 
 /// A set of effects, fitted.
 #[derive(Clone, Debug)]
@@ -20,27 +34,20 @@ pub struct Candidate {
     pub told: Told,
     /// Log likelihood of windows under what the other half of the records teaches.
     pub foretold: Told,
-    /// Whether one of its effects may as well be none, or its law a simpler one, as far as its numbers are known.
-    pub may_vanish: bool,
-    /// Probability that replicas of the records without one of its effects gain as much by it; `None` where there was no doubt.
-    pub p_value: Option<f64>,
+    /// What speaks against it as an answer.
+    pub objection: Option<Objection>,
 }
 
 impl Candidate {
-    /// Log evidence and prior odds of its effects; nothing speaks for a set one of whose numbers is best where its range ends, one
-    /// of whose effects may as well be none, or that replicas gain from too.
+    /// Log evidence and prior odds of its effects; −∞ for a set that is no answer.
     #[must_use]
     pub fn score(&self) -> f64 {
-        let hypothesis = &self.fit.hypothesis;
-        if hypothesis.at_an_end().is_empty() && !self.may_vanish && self.p_value.is_none() {
-            self.odds()
-        } else {
-            f64::NEG_INFINITY
+        match self.objection {
+            None => self.odds(),
+            Some(_) => f64::NEG_INFINITY,
         }
     }
-}
 
-impl Candidate {
     /// Log evidence and prior odds of its effects, whether it is an answer or not.
     #[must_use]
     pub fn odds(&self) -> f64 {
@@ -82,34 +89,41 @@ pub(super) fn candidate(problem: &Problem, fit: Fit) -> Candidate {
     let told = fit.told(&problem.long);
     let evidence = told.total();
     let foretold = fit.foretold(&problem.long);
-    let added: Vec<&Effect> = problem
-        .effects
-        .iter()
-        .filter(|effect| fit.hypothesis.effects.iter().any(|own| own == effect.name))
-        .collect();
-    let may_vanish = may_vanish(&fit, &problem.long, &added);
+    let added = problem.effects_of(&fit.hypothesis);
+    let objection = objection(&fit, &problem.long, &added);
     Candidate {
         effects: added.iter().map(|effect| effect.name).collect(),
         fit,
         evidence,
         told,
         foretold,
-        may_vanish,
-        p_value: None,
+        objection,
     }
 }
 
-/// Whether all numbers that make one of the effects vanish are within their 95 % intervals of doing so. Such a set is one without the
-/// effect: where it explains more all the same, its fit has found other starts. Laplace's method cannot tell: the windows may say the
-/// same of all values down to the vanishing one, so that it charges nothing for them.
-fn may_vanish(fit: &Fit, data: &Data, effects: &[&Effect]) -> bool {
-    let estimates = fit.estimates(data);
-    let is_near = |(name, value): (String, f64)| {
-        let own = estimates.iter().find(|own| own.name == name);
+/// What a fit by itself says against a set.
+fn objection(fit: &Fit, data: &Data, effects: &[&Effect]) -> Option<Objection> {
+    let ends = fit.hypothesis.at_an_end();
+    if ends.is_empty() {
+        return may_vanish(effects, &fit.estimates(data));
+    }
+    let ends = ends.into_iter().map(str::to_owned).collect();
+    Some(Objection::AtAnEnd(ends))
+}
+
+/// Which of the effects may vanish, if one may, by what is known of their numbers.
+pub(super) fn may_vanish(effects: &[&Effect], known: &[Estimate]) -> Option<Objection> {
+    let may_be = |(name, value): (String, f64)| {
+        let own = known.iter().find(|own| own.name == name);
         own.is_some_and(|own| (own.value - value).abs() < SURELY * own.deviation)
     };
-    effects
+    let vanishing: Vec<&'static str> = effects
         .iter()
-        .map(|effect| effect.vanishing())
-        .any(|numbers| !numbers.is_empty() && numbers.into_iter().all(is_near))
+        .filter(|effect| {
+            let numbers = effect.vanishing();
+            !numbers.is_empty() && numbers.into_iter().all(may_be)
+        })
+        .map(|effect| effect.name)
+        .collect();
+    (!vanishing.is_empty()).then_some(Objection::MayVanish(vanishing))
 }

@@ -1,8 +1,9 @@
 //! Whether what an effect gains is chance: replicas of the records, made without it, are explained with it and without it.
 
-use super::candidate::candidate;
+use super::candidate::{Objection, candidate, may_vanish};
 use super::looks::is_near;
 use super::{Candidate, best_first, keep, race, rebuilt};
+use crate::certainty::ReplayedEstimates;
 use crate::fit::{self, Fit};
 use crate::policy::{LN_PRIOR_ODDS, REPLICAS, SIGNIFICANT};
 use crate::problem::Problem;
@@ -11,20 +12,40 @@ use crate::replica::{exceeded, replica};
 /// Steps of the fits to a replica.
 const STEPS: usize = 8;
 
-/// Puts the set first that no doubt takes away: sets whose last effect gains what replicas without it gain too are no answers, and
-/// those that gain less over the same effects are none all the more.
-pub(super) fn weigh(problem: &Problem, known: &mut Vec<Candidate>, progress: &mut dyn FnMut(&str)) {
+/// Puts the set first that no doubt takes away, and tells its numbers: sets whose last effect gains what replicas without it gain too
+/// are no answers, and those that gain less over the same effects are none all the more. Nor is a set one of whose effects may vanish
+/// by what replicas tell of its numbers.
+pub(super) fn weigh(
+    problem: &Problem,
+    known: &mut Vec<Candidate>,
+    progress: &mut dyn FnMut(&str),
+) -> ReplayedEstimates {
     let mut settled: Vec<(Vec<&'static str>, &'static str)> = Vec::new();
+    let mut finished: Vec<Vec<&'static str>> = Vec::new();
     loop {
         best_first(known);
         let best = known[0].clone();
+        if !best.fit.is_converged && !finished.contains(&best.effects) {
+            let fit = best.fit.improved(&problem.long, 2 * fit::STEPS);
+            known[0] = candidate(problem, fit);
+            finished.push(best.effects);
+            continue;
+        }
         let open = best.effects.iter().copied();
         let doubted = open
             .filter(|name| !settled.contains(&(best.effects.clone(), name)))
             .filter_map(|name| Some((name, best.lead(without(known, &best, name)?))))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let Some((name, _)) = doubted else {
-            return;
+            progress("what replicas of the records tell of the numbers");
+            let numbers = best.fit.replayed_estimates(problem);
+            let effects = problem.effects_of(&best.fit.hypothesis);
+            let objection = may_vanish(&effects, &numbers.estimates);
+            if best.objection.is_none() && objection.is_some() {
+                known[0].objection = objection;
+                continue;
+            }
+            return numbers;
         };
         settled.push((best.effects.clone(), name));
         let fewer = fitted_without(problem, &best, name, known);
@@ -42,7 +63,7 @@ pub(super) fn weigh(problem: &Problem, known: &mut Vec<Candidate>, progress: &mu
             let is_larger = other.effects.len() == fewer.effects.len() + 1
                 && fewer.effects.iter().all(|own| other.effects.contains(own));
             if is_larger && other.lead(&fewer) - LN_PRIOR_ODDS <= gain {
-                other.p_value = Some(p_value);
+                other.objection.get_or_insert(Objection::ByChance(p_value));
             }
         }
     }
