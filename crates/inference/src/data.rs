@@ -202,7 +202,7 @@ pub fn reduced(
     grams: &[Option<Gram>],
     disturbance: &Disturbance,
 ) -> Vec<Option<Reduced>> {
-    let (mut forms, errors): (Vec<_>, Vec<_>) = grams
+    let mut forms: Vec<_> = grams
         .par_iter()
         .zip(starts)
         .zip(&data.windows)
@@ -211,9 +211,8 @@ pub fn reduced(
             let (offset, deviations) = (offset(start, window), &window.deviations);
             gram.as_ref()
                 .and_then(|gram| reduce(gram, &offset, deviations, disturbance, load_deviation))
-                .unzip()
         })
-        .unzip();
-    integrate_out(&data.windows, &data.folds(), &mut forms, &errors);
+        .collect();
+    integrate_out(&data.windows, &data.folds(), &mut forms);
     forms
 }

@@ -10,7 +10,7 @@ use crate::marginal::{Disturbance, Reduced};
 use crate::problem::Problem;
 use crate::record::Run;
 use crate::window::{Begin, Start, Window};
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
 /// Steps of a fit to all windows.
@@ -215,8 +215,9 @@ impl Fit {
     pub fn promised_loss(&self, data: &Data) -> f64 {
         let forms = self.reduced(data);
         let (curvature, gradient) = self.normal_equations(&forms);
-        match Cholesky::new(curvature) {
-            Some(cholesky) => self.loss - gradient.dot(&cholesky.solve(&gradient)),
+        let ranges = self.hypothesis.step_ranges();
+        match loss::step_within(&ranges, &curvature, &gradient) {
+            Some(step) => self.loss - step.dot(&(gradient * 2.0 - curvature * &step)),
             None => self.loss,
         }
     }
@@ -293,6 +294,7 @@ impl Fit {
             &self.reduced(data),
             &self.hypothesis.prior_precisions(),
             &self.hypothesis.x,
+            &self.hypothesis.step_ranges(),
             &data.folds(),
         )
     }
@@ -365,10 +367,7 @@ impl State<'_> {
             .zip(&self.forms)
             .zip(&data.windows)
             .map(|((start, form), window)| match form {
-                Some(form) => Start {
-                    state: window.moved(&start.state, &form.start_change(&taken)),
-                    torques: form.torques(&taken),
-                },
+                Some(form) => form.moved(window, start, &taken),
                 None => start.clone(),
             })
             .collect();
@@ -444,40 +443,13 @@ pub(crate) fn worse(
         .collect()
 }
 
-/// The step that the quadratic forms suggest within the numbers' ranges, shortened to what one step may change: numbers that would
-/// leave it stop at its end, and the others move as is best then.
+/// The step that the quadratic forms suggest within the numbers' ranges, shortened to what one step may change.
 fn bounded_step(
     hypothesis: &Hypothesis,
     curvature: &DMatrix<f64>,
     gradient: &DVector<f64>,
 ) -> Option<DVector<f64>> {
-    let ranges = hypothesis.step_ranges();
-    let mut step = DVector::zeros(gradient.len());
-    let mut open: Vec<usize> = (0..gradient.len()).collect();
-    while !open.is_empty() {
-        let n = open.len();
-        let own = DMatrix::from_fn(n, n, |i, j| curvature[(open[i], open[j])]);
-        let pull = DVector::from_fn(n, |i, _| {
-            let held: f64 = (0..step.len())
-                .filter(|j| !open.contains(j))
-                .map(|j| curvature[(open[i], j)] * step[j])
-                .sum();
-            gradient[open[i]] - held
-        });
-        let solved = Cholesky::new(own)?.solve(&pull);
-        let mut still_open = Vec::with_capacity(n);
-        for (&at, &wanted) in open.iter().zip(&solved) {
-            let (low, high) = ranges[at];
-            step[at] = wanted.clamp(low, high);
-            if step[at] == wanted {
-                still_open.push(at);
-            }
-        }
-        if still_open.len() == n {
-            break;
-        }
-        open = still_open;
-    }
+    let step = loss::step_within(&hypothesis.step_ranges(), curvature, gradient)?;
     // All numbers are held back alike: what they do together is what makes the step right.
     let share = hypothesis
         .longest_step()

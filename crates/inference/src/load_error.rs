@@ -3,13 +3,16 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use crate::data::FOLDS;
 use crate::loss::weight;
 use crate::marginal::Reduced;
 use crate::record::Run;
 use crate::window::Window;
+
+/// Passes in which windows are weighed anew by what they leave at the level's best error; each gains.
+const WEIGHINGS: usize = 6;
 
 /// A level of the normal force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,55 +46,101 @@ impl LoadLevel {
     }
 }
 
-/// Quadratic form of a level's error, in standard deviations, that is left of one window.
+/// Quadratic form of a level's error, in standard deviations, that is left of one window, and what all windows of the level tell of it.
 #[derive(Clone, Debug)]
 pub struct LoadError {
-    /// Curvature with respect to it.
+    /// Standard deviation relative to the normal force.
+    pub deviation: f64,
+    /// Curvature with respect to the error.
     pub curvature: f64,
     /// Descent direction: derivative of −½ × the form.
     pub gradient: f64,
     /// Mixed curvature with the free numbers.
     pub cross: DVector<f64>,
+    /// Mixed curvature with the window's nuisances.
+    pub on_nuisance: DVector<f64>,
+    /// Best error.
+    pub best: f64,
+    /// By how much that changes with the free numbers.
+    pub response: DVector<f64>,
+}
+
+impl LoadError {
+    /// Best error when the free numbers change by `step`.
+    #[must_use]
+    pub fn after(&self, step: &DVector<f64>) -> f64 {
+        self.best + self.response.dot(step)
+    }
+
+    /// The same in other numbers, from which `map` makes the present ones.
+    #[must_use]
+    pub fn mapped(&self, map: &DMatrix<f64>) -> Self {
+        Self {
+            cross: map.transpose() * &self.cross,
+            response: map.transpose() * &self.response,
+            ..self.clone()
+        }
+    }
+}
+
+impl Reduced {
+    /// Sum of squared residuals of the window at this error of the load cell.
+    fn square_at(&self, error: f64) -> f64 {
+        let change = error * (error * self.load.curvature - 2.0 * self.load.gradient);
+        (self.square + change).max(0.0)
+    }
 }
 
 /// Integrates the errors of all levels out, one for each fold of a level, so that no fold knows of the other.
 ///
-/// What that changes is shared among the windows of a level, so that sums over them are exact. The loss counts it beside the
-/// residuals, which keep their noise.
-pub(crate) fn integrate_out(
-    windows: &[Window],
-    folds: &[usize],
-    forms: &mut [Option<Reduced>],
-    errors: &[Option<LoadError>],
-) {
+/// What that changes is shared among the windows of a level, so that sums over them are exact. Each window is left with the residuals
+/// that it has at the level's best error.
+pub(crate) fn integrate_out(windows: &[Window], folds: &[usize], forms: &mut [Option<Reduced>]) {
     let mut levels: BTreeMap<(usize, usize, usize), Vec<usize>> = BTreeMap::new();
     for (j, window) in windows.iter().enumerate() {
-        if let (Some(level), Some(_), Some(_)) = (window.load, &forms[j], &errors[j]) {
+        if let (Some(level), Some(_)) = (window.load, &forms[j]) {
             let level = (level.run, level.first, folds[j]);
             levels.entry(level).or_default().push(j);
         }
     }
     for members in levels.into_values() {
-        let of = |j: usize| forms[j].as_ref().zip(errors[j].as_ref());
-        let (mut curvature, mut gradient, mut cross) = (1.0, 0.0, None);
-        for (form, error) in members.iter().filter_map(|&j| of(j)) {
-            let weight = weight(form.square, form.residuals);
-            curvature += weight * error.curvature;
-            gradient += weight * error.gradient;
-            let own = &error.cross * weight;
-            cross = Some(cross.map_or(own.clone(), |sum: DVector<f64>| sum + own));
+        let weighed = |error: f64| {
+            members
+                .iter()
+                .filter_map(|&j| forms[j].as_ref())
+                .map(move |form| {
+                    let weight = weight(form.square_at(error), form.residuals);
+                    (weight, &form.load)
+                })
+        };
+        let mut best = 0.0;
+        for _ in 0..WEIGHINGS {
+            let (mut curvature, mut gradient) = (1.0, 0.0);
+            for (weight, load) in weighed(best) {
+                curvature += weight * load.curvature;
+                gradient += weight * load.gradient;
+            }
+            best = gradient / curvature;
+        }
+        let mut curvature = 1.0;
+        let mut cross: Option<DVector<f64>> = None;
+        for (weight, load) in weighed(best) {
+            curvature += weight * load.curvature;
+            let own = &load.cross * weight;
+            cross = Some(cross.map_or(own.clone(), |sum| sum + own));
         }
         let Some(cross) = cross else { continue };
-        let best = gradient / curvature;
+        let prior = (curvature.ln() + best * best) / members.len() as f64;
         for &j in &members {
-            let (Some(form), Some(error)) = (&mut forms[j], &errors[j]) else {
-                continue;
-            };
-            let gained = weight(form.square, form.residuals) * error.gradient * best;
-            form.log_determinant += curvature.ln() / members.len() as f64 - gained;
-            let mixed = &error.cross * cross.transpose() / (2.0 * curvature);
+            let Some(form) = &mut forms[j] else { continue };
+            form.square = form.square_at(best);
+            form.log_determinant += prior;
+            let mixed = &form.load.cross * cross.transpose() / (2.0 * curvature);
             form.curvature -= &mixed + mixed.transpose();
-            form.gradient -= (&error.cross * best + &cross * (error.gradient / curvature)) * 0.5;
+            let pull = &form.load.cross * best + &cross * (form.load.gradient / curvature);
+            form.gradient -= pull * 0.5;
+            form.load.best = best;
+            form.load.response = &cross / -curvature;
         }
     }
 }
@@ -103,7 +152,6 @@ mod tests {
     use crate::loss::normal_equations;
     use crate::marginal::{Disturbance, reduce};
     use crate::random::Random;
-    use crate::structure::augment;
     use crate::window::STARTS;
     use nalgebra::DMatrix;
     use stickslip::plant::STATES;
@@ -127,7 +175,7 @@ mod tests {
             friction,
             sliding: true,
         };
-        let rows = DMatrix::from_fn(40, 7, |_, _| 0.5 * random.normal());
+        let rows = DMatrix::from_fn(40, 8, |_, _| 0.5 * random.normal());
         Gram {
             products: rows.transpose() * rows,
             starts: 2,
@@ -153,6 +201,17 @@ mod tests {
         }
     }
 
+    /// The same window with the load's error, in standard deviations, as its last free number.
+    fn with_the_load_free(gram: &Gram) -> Gram {
+        let (residual, columns) = (gram.residual(), gram.products.ncols());
+        let mut map = DMatrix::identity(columns, columns).insert_column(residual, 0.0);
+        map[(gram.load(), residual)] = DEVIATION;
+        Gram {
+            products: map.transpose() * &gram.products * map,
+            ..gram.clone()
+        }
+    }
+
     #[test]
     fn an_error_that_windows_share_is_a_free_number_integrated_out() {
         let mut random = Random::new(1);
@@ -171,23 +230,17 @@ mod tests {
             deviation: DEVIATION,
         };
         let windows: Vec<Window> = grams.iter().map(|_| window(Some(level))).collect();
-        let (mut forms, errors): (Vec<_>, Vec<_>) = grams
+        let mut forms: Vec<_> = grams
             .iter()
-            .map(|gram| {
-                let (form, error) = whole(gram, DEVIATION);
-                (Some(form), Some(error))
-            })
-            .unzip();
-        integrate_out(&windows, &[0; 3], &mut forms, &errors);
+            .map(|gram| Some(whole(gram, DEVIATION)))
+            .collect();
+        integrate_out(&windows, &[0; 3], &mut forms);
         let (curvature, gradient) =
             normal_equations(forms.iter().flatten(), &[0.0; FREE], &[0.0; FREE]);
 
         let explicit: Vec<Reduced> = grams
             .iter()
-            .map(|gram| {
-                let with = augment(gram, |place| vec![(-DEVIATION * place.friction, 0.0)]);
-                whole(&with, 0.0).0
-            })
+            .map(|gram| whole(&with_the_load_free(gram), 0.0))
             .collect();
         let (all, pull) = normal_equations(explicit.iter(), &[0.0, 0.0, 1.0], &[0.0; FREE + 1]);
         let own = all[(FREE, FREE)];
@@ -202,6 +255,47 @@ mod tests {
         let expected: f64 =
             explicit.iter().map(loss).sum::<f64>() + own.ln() - pull[FREE] * pull[FREE] / own;
         assert!((integrated - expected).abs() < 1e-10);
+    }
+
+    #[test]
+    fn windows_are_left_without_what_the_error_of_their_level_explains() {
+        let mut random = Random::new(2);
+        let level = LoadLevel {
+            run: 0,
+            first: 0,
+            deviation: DEVIATION,
+        };
+        let error = 1.5;
+        let windows: Vec<Window> = (0..6).map(|_| window(Some(level))).collect();
+        let mut forms: Vec<_> = windows
+            .iter()
+            .map(|_| {
+                let mut gram = gram(&mut random);
+                // What the windows leave is that error's, and many times their noise.
+                let slope = 400.0;
+                gram.products *= slope * slope;
+                let residual = gram.residual();
+                let mut on_error = gram.products.column(gram.load()) * (error * DEVIATION);
+                on_error[residual] = on_error[gram.load()] * error * DEVIATION;
+                gram.products.set_column(residual, &on_error);
+                gram.products.set_row(residual, &on_error.transpose());
+                let form = reduce(
+                    &gram,
+                    &[0.0; STARTS],
+                    &[1.0; STARTS],
+                    &Disturbance::NONE,
+                    DEVIATION,
+                )
+                .unwrap();
+                assert!(form.square > 2.0 * form.residuals as f64);
+                Some(form)
+            })
+            .collect();
+        integrate_out(&windows, &[0; 6], &mut forms);
+        for form in forms.iter().flatten() {
+            assert!(form.square < 0.1 * form.residuals as f64, "{}", form.square);
+            assert!((form.load.best / error - 1.0).abs() < 0.1);
+        }
     }
 
     #[test]

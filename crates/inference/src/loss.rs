@@ -75,12 +75,50 @@ pub fn normal_equations<'a>(
     (curvature, gradient)
 }
 
-/// Loss of each window after the change of the free numbers that is best for the windows of all other folds.
+/// The change of the free numbers, within `ranges`, that is best for a quadratic form: numbers that would leave their range stop at its
+/// end, and the others move as is best then. `None` where the curvature is not positive.
+#[must_use]
+pub fn step_within(
+    ranges: &[(f64, f64)],
+    curvature: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+) -> Option<DVector<f64>> {
+    let mut step = DVector::zeros(gradient.len());
+    let mut open: Vec<usize> = (0..gradient.len()).collect();
+    while !open.is_empty() {
+        let n = open.len();
+        let own = DMatrix::from_fn(n, n, |i, j| curvature[(open[i], open[j])]);
+        let pull = DVector::from_fn(n, |i, _| {
+            let held: f64 = (0..step.len())
+                .filter(|j| !open.contains(j))
+                .map(|j| curvature[(open[i], j)] * step[j])
+                .sum();
+            gradient[open[i]] - held
+        });
+        let solved = Cholesky::new(own)?.solve(&pull);
+        let mut still_open = Vec::with_capacity(n);
+        for (&at, &wanted) in open.iter().zip(&solved) {
+            let (low, high) = ranges[at];
+            step[at] = wanted.clamp(low, high);
+            if step[at] == wanted {
+                still_open.push(at);
+            }
+        }
+        if still_open.len() == n {
+            break;
+        }
+        open = still_open;
+    }
+    Some(step)
+}
+
+/// Loss of each window after the change of the free numbers, within `ranges`, that is best for the windows of all other folds.
 #[must_use]
 pub fn held_out(
     forms: &[Option<Reduced>],
     precisions: &[f64],
     x: &[f64],
+    ranges: &[(f64, f64)],
     folds: &[usize],
 ) -> Vec<Option<f64>> {
     let mut losses = vec![None; forms.len()];
@@ -92,7 +130,7 @@ pub fn held_out(
             .filter(|(_, f)| **f != fold)
             .filter_map(|(form, _)| form.as_ref());
         let (curvature, gradient) = normal_equations(training, precisions, x);
-        let Some(step) = Cholesky::new(curvature).map(|c| c.solve(&gradient)) else {
+        let Some(step) = step_within(ranges, &curvature, &gradient) else {
             continue;
         };
         for ((loss, form), f) in losses.iter_mut().zip(forms).zip(folds) {
@@ -119,5 +157,16 @@ mod tests {
             let relative = slope / weight(square, 100) - 1.0;
             assert!(relative.abs() < 1e-3, "{square}: {relative}");
         }
+    }
+    #[test]
+    fn a_number_stops_at_the_end_of_its_range_and_the_others_move_as_is_best_then() {
+        let curvature = DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]);
+        let gradient = DVector::from_vec(vec![4.0, 5.0]);
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        let best = step_within(&free, &curvature, &gradient).unwrap();
+        assert!((best - DVector::from_vec(vec![1.0, 2.0])).norm() < 1e-14);
+        let bounded = [(-0.5, 0.5), free[1]];
+        let best = step_within(&bounded, &curvature, &gradient).unwrap();
+        assert!((best - DVector::from_vec(vec![0.5, 2.25])).norm() < 1e-14);
     }
 }

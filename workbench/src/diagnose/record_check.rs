@@ -247,7 +247,8 @@ pub fn check(record: &Record, rig: &Rig<f64>) -> Result<Checked, RecordProblem> 
     let every = (period / THINNED_SAMPLES / interval).round() as usize;
     let stretches = if every > 1 {
         notes.push(format!(
-            "{file}: is sampled every {} s; one sample in {every} is used, with the inputs' means between them",
+            "{file}: is sampled every {} s; one sample in {every} is used and those at steps of the voltage, with the inputs' means \
+             between them",
             number(interval)
         ));
         stretches.iter().map(|s| thinned(s, every)).collect()
@@ -261,15 +262,24 @@ pub fn check(record: &Record, rig: &Rig<f64>) -> Result<Checked, RecordProblem> 
     })
 }
 
-/// Every `every`th sample. Inputs are held from one sample to the next, so each of those kept stands for the mean until
-/// the following one; readings are taken as they are, which keeps their noise what `sensors.toml` says.
+/// Every `every`th sample, and those between them at which alone the voltage changes. Inputs are held from one sample to the next, so
+/// each of those kept stands for the mean until the following one; readings are taken as they are, which keeps their noise what
+/// `sensors.toml` says.
 fn thinned(stretch: &Stretch, every: usize) -> Stretch {
-    let pick = |series: &[f64]| series.iter().step_by(every).copied().collect::<Vec<f64>>();
+    let kept = kept(&stretch.columns[0], every);
+    let pick = |series: &[f64]| {
+        kept.iter()
+            .filter_map(|&at| series.get(at).copied())
+            .collect()
+    };
     let mean = |series: &[f64]| {
-        series
-            .chunks(every)
-            .map(|chunk| chunk.iter().sum::<f64>() / chunk.len() as f64)
-            .collect::<Vec<f64>>()
+        let ends = kept.iter().skip(1).copied().chain([series.len()]);
+        let parts = kept
+            .iter()
+            .zip(ends)
+            .filter_map(|(&from, to)| series.get(from..to));
+        let means = parts.map(|part| part.iter().sum::<f64>() / part.len() as f64);
+        means.collect::<Vec<f64>>()
     };
     Stretch {
         time: pick(&stretch.time),
@@ -282,6 +292,20 @@ fn thinned(stretch: &Stretch, every: usize) -> Stretch {
             }
         }),
     }
+}
+
+/// Samples that are kept. The motor follows a step of the voltage faster than the disc: a mean over it would show.
+fn kept(voltage: &[f64], every: usize) -> Vec<usize> {
+    let mut kept = Vec::new();
+    for first in (0..voltage.len()).step_by(every) {
+        let mut changes = (first + 1..voltage.len().min(first + every))
+            .filter(|&at| voltage[at] != voltage[at - 1]);
+        kept.push(first);
+        if let (Some(step), None) = (changes.next(), changes.next()) {
+            kept.push(step);
+        }
+    }
+    kept
 }
 
 fn stretches(
@@ -380,5 +404,19 @@ mod tests {
         // The mean of samples 30 … 39.
         assert_eq!(thin.columns[0][3], 34.5);
         assert!(thin.columns[6].is_empty());
+    }
+    #[test]
+    fn a_step_of_the_voltage_keeps_its_instant_where_samples_are_left_out() {
+        let mut columns: [Vec<f64>; WIDTH] = std::array::from_fn(|_| vec![0.0; 40]);
+        // One step between two samples that are kept, then one at every sample.
+        columns[0][14..].fill(6.0);
+        for at in 30..40 {
+            columns[0][at] = at as f64;
+        }
+        let time: Vec<f64> = (0..40).map(f64::from).collect();
+        let thin = thinned(&Stretch { time, columns }, 10);
+        assert_eq!(thin.time, [0.0, 10.0, 14.0, 20.0, 30.0]);
+        assert_eq!(thin.columns[0], [0.0, 0.0, 6.0, 6.0, 34.5]);
+        assert_eq!(thin.columns[2].len(), 5);
     }
 }

@@ -104,10 +104,7 @@ impl State {
             .zip(&self.forms)
             .zip(&data.windows)
             .map(|((start, form), window)| match form {
-                Some(form) => Start {
-                    state: window.moved(&start.state, &form.start_change(&step)),
-                    torques: form.torques(&step),
-                },
+                Some(form) => form.moved(window, start, &step),
                 None => start.clone(),
             })
             .collect();
