@@ -202,7 +202,7 @@ pub fn reduced(
     grams: &[Option<Gram>],
     disturbance: &Disturbance,
 ) -> Vec<Option<Reduced>> {
-    let mut forms: Vec<_> = grams
+    let (mut forms, errors): (Vec<_>, Vec<_>) = grams
         .par_iter()
         .zip(starts)
         .zip(&data.windows)
@@ -211,8 +211,9 @@ pub fn reduced(
             let (offset, deviations) = (offset(start, window), &window.deviations);
             gram.as_ref()
                 .and_then(|gram| reduce(gram, &offset, deviations, disturbance, load_deviation))
+                .unzip()
         })
-        .collect();
-    integrate_out(&data.windows, &data.folds(), &mut forms);
+        .unzip();
+    integrate_out(&data.windows, &data.folds(), &mut forms, &errors);
     forms
 }

@@ -367,7 +367,10 @@ impl State<'_> {
             .zip(&self.forms)
             .zip(&data.windows)
             .map(|((start, form), window)| match form {
-                Some(form) => form.moved(window, start, &taken),
+                Some(form) => Start {
+                    state: window.moved(&start.state, &form.start_change(&taken)),
+                    torques: form.torques(&taken),
+                },
                 None => start.clone(),
             })
             .collect();

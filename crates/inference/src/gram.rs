@@ -13,11 +13,10 @@ use stickslip::integrator::{IntegrationError, Options, Simulation};
 use stickslip::plant::{Contact, Rig, RigInputs, RigState, STATES, index};
 use stickslip::series::{Dual, Scalar, evaluate};
 
-/// Slots before the free numbers of a rig: start components, the torque on the disc and the error of the load cell. A torque on the
-/// motor has the slot behind them.
+/// Slots before the free numbers of a rig: start components and the torque on the disc. One on the motor has the slot behind them.
 #[must_use]
 pub fn first_free<S: Scalar>(rig: &Rig<S>) -> usize {
-    starts_of(rig) + 2
+    starts_of(rig) + 1
 }
 /// Order of the Taylor polynomials of the motion.
 const ORDER: usize = 14;
@@ -80,8 +79,7 @@ pub struct Place {
 /// Sums of products of the whitened residuals and derivatives of one window.
 #[derive(Clone, Debug)]
 pub struct Gram {
-    /// Columns: start components, torques on the disc, those on the motor where there are any, the normal force relative to itself, free
-    /// numbers, residual.
+    /// Columns: start components, torques on the disc, those on the motor where there are any, free numbers, residual.
     pub products: DMatrix<f64>,
     /// Number of start components.
     pub starts: usize,
@@ -106,40 +104,14 @@ impl Gram {
         self.divided.on_motor.then_some(self.starts + self.pieces)
     }
 
-    /// Column of the normal force.
-    pub fn load(&self) -> usize {
-        self.motor().unwrap_or(self.starts) + self.pieces
-    }
-
     /// Column of the first free number.
     pub fn free(&self) -> usize {
-        self.load() + 1
+        self.motor().unwrap_or(self.starts) + self.pieces
     }
 
     /// Column of the residual.
     pub fn residual(&self) -> usize {
         self.products.ncols() - 1
-    }
-
-    /// Tells the residuals as they would be without the torques and the load error under which the window ran, given as columns and
-    /// values, so that quadratic forms are in those themselves wherever they were linearised.
-    fn move_back(&mut self, own: &[(usize, f64)]) {
-        let residual = self.residual();
-        let mut change = self.products.column(residual) * 0.0;
-        for (column, value) in own {
-            change += self.products.column(*column) * *value;
-        }
-        let square: f64 = own
-            .iter()
-            .map(|(column, value)| {
-                value * (2.0 * self.products[(*column, residual)] + change[*column])
-            })
-            .sum();
-        for j in 0..residual {
-            self.products[(j, residual)] += change[j];
-            self.products[(residual, j)] += change[j];
-        }
-        self.products[(residual, residual)] += square;
     }
 
     /// The Gram matrix with only these of the free numbers.
@@ -180,24 +152,13 @@ pub fn window_gram<const N: usize>(
     let is_full = rig.outer.is_some();
     let slots = Slots {
         starts: starts_of(rig),
-        shared: free + 1,
+        free,
         on_motor: seen.pieces.on_motor,
     };
     let mut sums = Sums::new(slots, pieces);
     let delay = rig.effects.sensor_delay.map_or(Dual::ZERO, |d| d.delay);
-    let held = |sample: usize, piece: usize| {
-        let torque = start.torques.get(piece).copied().unwrap_or(0.0);
-        inputs(run, sample, slots, torque, start.load_error)
-    };
-    let mut simulation = started(
-        rig,
-        run,
-        window,
-        start,
-        slots,
-        held(window.first, 0),
-        last.take(),
-    )?;
+    let torque = |piece: usize| start.torques.get(piece).copied().unwrap_or(0.0);
+    let mut simulation = started(rig, run, window, start, slots, last.take())?;
     start_on_measured_branch(&mut simulation, &window.accelerations)?;
     let mut places = Vec::with_capacity(pieces);
     let mut next_disc = window.first;
@@ -208,7 +169,8 @@ pub fn window_gram<const N: usize>(
         let mut sliding = true;
         for sample in from..to {
             if sample > from && is_changed(run, sample) {
-                simulation.set_inputs(run.time[sample], held(sample, piece))?;
+                let new = inputs(run, sample, slots, torque(piece));
+                simulation.set_inputs(run.time[sample], new)?;
             }
             let (begin, end) = (run.time[sample], run.time[sample + 1]);
             let mut emit = |sample: usize, channel: usize, value: Dual<N>| {
@@ -267,7 +229,7 @@ pub fn window_gram<const N: usize>(
         if !is_last {
             let end = simulation.state_at(run.time[to]);
             sums.advance(&end, piece);
-            let next = held(to, piece + 1);
+            let next = inputs(run, to, slots, torque(piece + 1));
             simulation.continue_from(run.time[to], next, |state| {
                 *state = end.map(|value| Dual::constant(value.value));
                 seed(state, slots.starts);
@@ -276,22 +238,16 @@ pub fn window_gram<const N: usize>(
     }
     *last = Some(simulation);
     let residuals = sums.residuals;
-    let products = sums.symmetric();
-    let mut gram = Gram {
+    let mut products = sums.symmetric();
+    without_torques(&mut products, slots.starts, &start.torques);
+    Ok(Gram {
         products,
         starts: slots.starts,
         pieces,
         divided: seen.pieces,
         residuals,
         places,
-    };
-    let own = start.torques.iter().copied().enumerate();
-    let mut own: Vec<(usize, f64)> = own
-        .map(|(piece, torque)| (gram.disc() + piece, torque))
-        .collect();
-    own.push((gram.load(), start.load_error));
-    gram.move_back(&own);
-    Ok(gram)
+    })
 }
 
 /// Whether other inputs hold from a sample on than before it.
@@ -302,6 +258,28 @@ fn is_changed(run: &Run, sample: usize) -> bool {
         || !run.normal_force_1.is_empty() && changes(&run.normal_force_1)
 }
 
+/// Tells the residuals as they would be without the torques under which the window ran, so that quadratic forms are in the
+/// torques themselves wherever they were linearised.
+fn without_torques(products: &mut DMatrix<f64>, first: usize, torques: &[f64]) {
+    let residual = products.ncols() - 1;
+    let mut change = products.column(residual) * 0.0;
+    for (piece, torque) in torques.iter().enumerate() {
+        change += products.column(first + piece) * *torque;
+    }
+    let square: f64 = torques
+        .iter()
+        .enumerate()
+        .map(|(piece, torque)| {
+            torque * (2.0 * products[(first + piece, residual)] + change[first + piece])
+        })
+        .sum();
+    for j in 0..residual {
+        products[(j, residual)] += change[j];
+        products[(residual, j)] += change[j];
+    }
+    products[(residual, residual)] += square;
+}
+
 /// The run of `rig` at the first sample of `window`, on the memory of `last` where that is the same rig's.
 fn started<const N: usize>(
     rig: &Rig<Dual<N>>,
@@ -309,13 +287,14 @@ fn started<const N: usize>(
     window: &Window,
     start: &Start,
     slots: Slots,
-    inputs: RigInputs<Dual<N>>,
     last: Option<LastRun<N>>,
 ) -> Result<Box<Simulation<Dual<N>, Rig<Dual<N>>>>, IntegrationError> {
     let mut state: RigState<Dual<N>> = start.state.map(Dual::constant);
     seed(&mut state, slots.starts);
     deflect_bristles(rig, &mut state);
     let time = run.time[window.first];
+    let torque = start.torques.first().copied().unwrap_or(0.0);
+    let inputs = inputs(run, window.first, slots, torque);
     match last {
         Some(mut simulation) => {
             simulation.start_over(time, state, inputs)?;
@@ -396,18 +375,16 @@ fn inputs<const N: usize>(
     sample: usize,
     slots: Slots,
     torque: f64,
-    load_error: f64,
 ) -> RigInputs<Dual<N>> {
     let force_1 = run.normal_force_1.get(sample).copied();
     let mut inputs = RigInputs::held(
         Dual::constant(run.voltage[sample]),
-        Dual::variable(1.0 + load_error, slots.starts + 1)
-            * Dual::constant(run.normal_force[sample]),
+        Dual::constant(run.normal_force[sample]),
         Dual::constant(force_1.unwrap_or_default()),
     );
     inputs.disc_torque = Dual::variable(torque, slots.starts);
     if slots.on_motor {
-        inputs.motor_torque = Dual::variable(0.0, slots.starts + 1 + slots.shared);
+        inputs.motor_torque = Dual::variable(0.0, slots.starts + 1 + slots.free);
     }
     inputs
 }

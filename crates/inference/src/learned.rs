@@ -111,7 +111,10 @@ pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> O
 
 /// The same starts for pieces of another length, in which these torques have no place.
 fn without_torques(starts: &[Start]) -> Vec<Start> {
-    starts.iter().cloned().map(Start::without_torques).collect()
+    starts
+        .iter()
+        .map(|start| Start::from(start.state))
+        .collect()
 }
 
 /// The families that promise most in one step from `base`, each with the smoothness and the size that do.

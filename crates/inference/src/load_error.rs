@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use crate::data::FOLDS;
 use crate::loss::weight;
@@ -46,48 +46,22 @@ impl LoadLevel {
     }
 }
 
-/// Quadratic form of a level's error, in standard deviations, that is left of one window, and what all windows of the level tell of it.
+/// Quadratic form of a level's error, in standard deviations, that is left of one window.
 #[derive(Clone, Debug)]
 pub struct LoadError {
-    /// Standard deviation relative to the normal force.
-    pub deviation: f64,
-    /// Curvature with respect to the error.
+    /// Curvature with respect to it.
     pub curvature: f64,
     /// Descent direction: derivative of −½ × the form.
     pub gradient: f64,
     /// Mixed curvature with the free numbers.
     pub cross: DVector<f64>,
-    /// Mixed curvature with the window's nuisances.
-    pub on_nuisance: DVector<f64>,
-    /// Best error.
-    pub best: f64,
-    /// By how much that changes with the free numbers.
-    pub response: DVector<f64>,
 }
 
 impl LoadError {
-    /// Best error when the free numbers change by `step`.
-    #[must_use]
-    pub fn after(&self, step: &DVector<f64>) -> f64 {
-        self.best + self.response.dot(step)
-    }
-
-    /// The same in other numbers, from which `map` makes the present ones.
-    #[must_use]
-    pub fn mapped(&self, map: &DMatrix<f64>) -> Self {
-        Self {
-            cross: map.transpose() * &self.cross,
-            response: map.transpose() * &self.response,
-            ..self.clone()
-        }
-    }
-}
-
-impl Reduced {
-    /// Sum of squared residuals of the window at this error of the load cell.
-    fn square_at(&self, error: f64) -> f64 {
-        let change = error * (error * self.load.curvature - 2.0 * self.load.gradient);
-        (self.square + change).max(0.0)
+    /// Sum of squared residuals of the window at this error.
+    fn square(&self, form: &Reduced, error: f64) -> f64 {
+        let change = error * (error * self.curvature - 2.0 * self.gradient);
+        (form.square + change).max(0.0)
     }
 }
 
@@ -95,52 +69,57 @@ impl Reduced {
 ///
 /// What that changes is shared among the windows of a level, so that sums over them are exact. Each window is left with the residuals
 /// that it has at the level's best error.
-pub(crate) fn integrate_out(windows: &[Window], folds: &[usize], forms: &mut [Option<Reduced>]) {
+pub(crate) fn integrate_out(
+    windows: &[Window],
+    folds: &[usize],
+    forms: &mut [Option<Reduced>],
+    errors: &[Option<LoadError>],
+) {
     let mut levels: BTreeMap<(usize, usize, usize), Vec<usize>> = BTreeMap::new();
     for (j, window) in windows.iter().enumerate() {
-        if let (Some(level), Some(_)) = (window.load, &forms[j]) {
+        if let (Some(level), Some(_), Some(_)) = (window.load, &forms[j], &errors[j]) {
             let level = (level.run, level.first, folds[j]);
             levels.entry(level).or_default().push(j);
         }
     }
     for members in levels.into_values() {
-        let weighed = |error: f64| {
+        let of = |j: usize| forms[j].as_ref().zip(errors[j].as_ref());
+        let weighed = |at: f64| {
             members
                 .iter()
-                .filter_map(|&j| forms[j].as_ref())
-                .map(move |form| {
-                    let weight = weight(form.square_at(error), form.residuals);
-                    (weight, &form.load)
+                .filter_map(|&j| of(j))
+                .map(move |(form, error)| {
+                    let weight = weight(error.square(form, at), form.residuals);
+                    (weight, error)
                 })
         };
         let mut best = 0.0;
         for _ in 0..WEIGHINGS {
             let (mut curvature, mut gradient) = (1.0, 0.0);
-            for (weight, load) in weighed(best) {
-                curvature += weight * load.curvature;
-                gradient += weight * load.gradient;
+            for (weight, error) in weighed(best) {
+                curvature += weight * error.curvature;
+                gradient += weight * error.gradient;
             }
             best = gradient / curvature;
         }
         let mut curvature = 1.0;
         let mut cross: Option<DVector<f64>> = None;
-        for (weight, load) in weighed(best) {
-            curvature += weight * load.curvature;
-            let own = &load.cross * weight;
+        for (weight, error) in weighed(best) {
+            curvature += weight * error.curvature;
+            let own = &error.cross * weight;
             cross = Some(cross.map_or(own.clone(), |sum| sum + own));
         }
         let Some(cross) = cross else { continue };
         let prior = (curvature.ln() + best * best) / members.len() as f64;
         for &j in &members {
-            let Some(form) = &mut forms[j] else { continue };
-            form.square = form.square_at(best);
+            let (Some(form), Some(error)) = (&mut forms[j], &errors[j]) else {
+                continue;
+            };
+            form.square = error.square(form, best);
             form.log_determinant += prior;
-            let mixed = &form.load.cross * cross.transpose() / (2.0 * curvature);
+            let mixed = &error.cross * cross.transpose() / (2.0 * curvature);
             form.curvature -= &mixed + mixed.transpose();
-            let pull = &form.load.cross * best + &cross * (form.load.gradient / curvature);
-            form.gradient -= pull * 0.5;
-            form.load.best = best;
-            form.load.response = &cross / -curvature;
+            form.gradient -= (&error.cross * best + &cross * (error.gradient / curvature)) * 0.5;
         }
     }
 }
@@ -150,8 +129,9 @@ mod tests {
     use super::*;
     use crate::gram::{Gram, Pieces, Place};
     use crate::loss::normal_equations;
-    use crate::marginal::{Disturbance, reduce};
+    use crate::marginal::{Disturbance, load_direction, reduce};
     use crate::random::Random;
+    use crate::structure::augment;
     use crate::window::STARTS;
     use nalgebra::DMatrix;
     use stickslip::plant::STATES;
@@ -175,7 +155,7 @@ mod tests {
             friction,
             sliding: true,
         };
-        let rows = DMatrix::from_fn(40, 8, |_, _| 0.5 * random.normal());
+        let rows = DMatrix::from_fn(40, 7, |_, _| 0.5 * random.normal());
         Gram {
             products: rows.transpose() * rows,
             starts: 2,
@@ -201,17 +181,6 @@ mod tests {
         }
     }
 
-    /// The same window with the load's error, in standard deviations, as its last free number.
-    fn with_the_load_free(gram: &Gram) -> Gram {
-        let (residual, columns) = (gram.residual(), gram.products.ncols());
-        let mut map = DMatrix::identity(columns, columns).insert_column(residual, 0.0);
-        map[(gram.load(), residual)] = DEVIATION;
-        Gram {
-            products: map.transpose() * &gram.products * map,
-            ..gram.clone()
-        }
-    }
-
     #[test]
     fn an_error_that_windows_share_is_a_free_number_integrated_out() {
         let mut random = Random::new(1);
@@ -230,17 +199,23 @@ mod tests {
             deviation: DEVIATION,
         };
         let windows: Vec<Window> = grams.iter().map(|_| window(Some(level))).collect();
-        let mut forms: Vec<_> = grams
+        let (mut forms, errors): (Vec<_>, Vec<_>) = grams
             .iter()
-            .map(|gram| Some(whole(gram, DEVIATION)))
-            .collect();
-        integrate_out(&windows, &[0; 3], &mut forms);
+            .map(|gram| {
+                let (form, error) = whole(gram, DEVIATION);
+                (Some(form), Some(error))
+            })
+            .unzip();
+        integrate_out(&windows, &[0; 3], &mut forms, &errors);
         let (curvature, gradient) =
             normal_equations(forms.iter().flatten(), &[0.0; FREE], &[0.0; FREE]);
 
         let explicit: Vec<Reduced> = grams
             .iter()
-            .map(|gram| whole(&with_the_load_free(gram), 0.0))
+            .map(|gram| {
+                let with = augment(gram, |place| vec![(-DEVIATION * place.friction, 0.0)]);
+                whole(&with, 0.0).0
+            })
             .collect();
         let (all, pull) = normal_equations(explicit.iter(), &[0.0, 0.0, 1.0], &[0.0; FREE + 1]);
         let own = all[(FREE, FREE)];
@@ -265,9 +240,8 @@ mod tests {
             first: 0,
             deviation: DEVIATION,
         };
-        let error = 1.5;
         let windows: Vec<Window> = (0..6).map(|_| window(Some(level))).collect();
-        let mut forms: Vec<_> = windows
+        let (mut forms, errors): (Vec<_>, Vec<_>) = windows
             .iter()
             .map(|_| {
                 let mut gram = gram(&mut random);
@@ -275,26 +249,22 @@ mod tests {
                 let slope = 400.0;
                 gram.products *= slope * slope;
                 let residual = gram.residual();
-                let mut on_error = gram.products.column(gram.load()) * (error * DEVIATION);
-                on_error[residual] = on_error[gram.load()] * error * DEVIATION;
+                let direction = load_direction(&gram, 1.5 * DEVIATION);
+                let mut on_error = &gram.products * &direction;
+                on_error[residual] = on_error.dot(&direction);
                 gram.products.set_column(residual, &on_error);
                 gram.products.set_row(residual, &on_error.transpose());
-                let form = reduce(
-                    &gram,
-                    &[0.0; STARTS],
-                    &[1.0; STARTS],
-                    &Disturbance::NONE,
-                    DEVIATION,
-                )
-                .unwrap();
+                let starts = [1.0; STARTS];
+                let none = Disturbance::NONE;
+                let (form, error) =
+                    reduce(&gram, &[0.0; STARTS], &starts, &none, DEVIATION).unwrap();
                 assert!(form.square > 2.0 * form.residuals as f64);
-                Some(form)
+                (Some(form), Some(error))
             })
-            .collect();
-        integrate_out(&windows, &[0; 6], &mut forms);
+            .unzip();
+        integrate_out(&windows, &[0; 6], &mut forms, &errors);
         for form in forms.iter().flatten() {
             assert!(form.square < 0.1 * form.residuals as f64, "{}", form.square);
-            assert!((form.load.best / error - 1.0).abs() < 0.1);
         }
     }
 

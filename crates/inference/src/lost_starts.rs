@@ -58,7 +58,7 @@ pub(crate) fn find_beside(typical: f64, data: &Data, fit: &mut Fit) -> bool {
             };
             Start {
                 state: window.moved(from, &change),
-                ..start.clone()
+                torques: start.torques.clone(),
             }
         });
         let tried = at(drawn.collect());

@@ -3,7 +3,7 @@
 
 use crate::gram::Gram;
 use crate::load_error::LoadError;
-use crate::window::{STARTS, Start, Window};
+use crate::window::STARTS;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Random disturbances of the friction and of the motor.
@@ -42,8 +42,6 @@ pub struct Reduced {
     pub log_determinant: f64,
     /// Number of residuals.
     pub residuals: usize,
-    /// The error of the load cell.
-    pub load: LoadError,
     nuisance: Cholesky<f64, Dyn>,
     right: DVector<f64>,
     cross: DMatrix<f64>,
@@ -57,7 +55,7 @@ pub struct Reduced {
 /// Integrates the nuisances of a window out.
 ///
 /// `offset` is the window's start minus its anchor, `deviations` how well the anchor is known, and `load_deviation` that of the
-/// normal force relative to it, whose error is taken to be none until all windows of its level tell it.
+/// normal force relative to it, whose error stays in the form that comes second.
 /// `None` if the matrices are not positive, which only non-finite numbers bring about.
 pub fn reduce(
     gram: &Gram,
@@ -65,7 +63,7 @@ pub fn reduce(
     deviations: &[f64; STARTS],
     disturbance: &Disturbance,
     load_deviation: f64,
-) -> Option<Reduced> {
+) -> Option<(Reduced, LoadError)> {
     let starts = gram.starts;
     let mut active: Vec<usize> = (0..starts).collect();
     let disc_scales: Vec<f64> = gram
@@ -153,17 +151,14 @@ pub fn reduce(
     let gradient =
         g.view((first, residual), (free, 1)).column(0) - cross.transpose() * &solved_right;
     square -= right.dot(&solved_right);
-    let loaded = g.column(gram.load()) * load_deviation;
+    let load = load_direction(gram, load_deviation);
+    let loaded = g * &load;
     let on_nuisance = DVector::from_fn(n, |a, _| loaded[active[a]] * scales[a]);
     let solved = nuisance.solve(&on_nuisance);
-    let load = LoadError {
-        deviation: load_deviation,
-        curvature: loaded[gram.load()] * load_deviation - on_nuisance.dot(&solved),
+    let load_error = LoadError {
+        curvature: load.dot(&loaded) - on_nuisance.dot(&solved),
         gradient: loaded[residual] - right.dot(&solved),
         cross: loaded.rows(first, free) - cross.transpose() * &solved,
-        on_nuisance,
-        best: 0.0,
-        response: DVector::zeros(free),
     };
     let reduced = Reduced {
         curvature,
@@ -171,7 +166,6 @@ pub fn reduce(
         square: square.max(0.0),
         log_determinant,
         residuals: gram.residuals,
-        load,
         nuisance,
         right,
         cross,
@@ -180,37 +174,23 @@ pub fn reduce(
         starts,
         disc: (gram.disc(), gram.disc() + gram.pieces),
     };
-    reduced.square.is_finite().then_some(reduced)
+    reduced.square.is_finite().then_some((reduced, load_error))
+}
+
+/// Torques on the disc that a load larger by this share of it makes.
+pub(crate) fn load_direction(gram: &Gram, share: f64) -> DVector<f64> {
+    let mut direction = DVector::zeros(gram.products.ncols());
+    for (piece, place) in gram.places.iter().enumerate() {
+        direction[gram.disc() + piece] = -share * place.friction * place.speed.signum();
+    }
+    direction
 }
 
 impl Reduced {
-    /// Best values of the nuisances when the free numbers change by `step` and the load cell has this error, in standard deviations.
-    fn settled(&self, step: &DVector<f64>, load_error: f64) -> DVector<f64> {
-        let load = &self.load.on_nuisance * load_error;
-        self.nuisance
-            .solve(&(&self.right - &self.cross * step - load))
-    }
-
-    fn start_of(&self, settled: &DVector<f64>) -> [f64; STARTS] {
-        std::array::from_fn(|j| if j < self.starts { settled[j] } else { 0.0 })
-    }
-
-    /// Best change of the window's start under the recorded normal force.
-    #[must_use]
-    pub fn start_change(&self) -> [f64; STARTS] {
-        self.start_of(&self.settled(&DVector::zeros(self.cross.ncols()), 0.0))
-    }
-
-    /// Best start, torques and load error of the window when the free numbers change by `step`, from `start` on.
-    #[must_use]
-    pub fn moved(&self, window: &Window, start: &Start, step: &DVector<f64>) -> Start {
-        let load_error = self.load.after(step);
-        let settled = self.settled(step, load_error);
-        Start {
-            state: window.moved(&start.state, &self.start_of(&settled)),
-            torques: self.torques(&settled),
-            load_error: self.load.deviation * load_error,
-        }
+    /// Best change of the window's start when the free numbers change by `step`.
+    pub fn start_change(&self, step: &DVector<f64>) -> [f64; STARTS] {
+        let solution = self.nuisance.solve(&(&self.right - &self.cross * step));
+        std::array::from_fn(|j| if j < self.starts { solution[j] } else { 0.0 })
     }
 
     /// The same form in other numbers, from which `map` makes the present ones.
@@ -220,13 +200,14 @@ impl Reduced {
             curvature: map.transpose() * &self.curvature * map,
             gradient: map.transpose() * &self.gradient,
             cross: &self.cross * map,
-            load: self.load.mapped(map),
             ..self.clone()
         }
     }
 
-    /// Torque on the disc in each piece at these values of the nuisances; none where it is not free.
-    fn torques(&self, settled: &DVector<f64>) -> Vec<f64> {
+    /// Best torque on the disc in each piece when the free numbers change by `step`; none where it is not free.
+    #[must_use]
+    pub fn torques(&self, step: &DVector<f64>) -> Vec<f64> {
+        let solution = self.nuisance.solve(&(&self.right - &self.cross * step));
         let (first, behind) = self.disc;
         let mut torques = vec![0.0; behind - first];
         for a in self.starts..self.active.len() {
@@ -234,7 +215,7 @@ impl Reduced {
                 .checked_sub(first)
                 .and_then(|piece| torques.get_mut(piece))
             {
-                *torque = settled[a] * self.scales[a];
+                *torque = solution[a] * self.scales[a];
             }
         }
         torques
@@ -243,7 +224,7 @@ impl Reduced {
     /// Best estimate of the disturbance torques, in standard deviations, with their standard
     /// deviations, as (column of the Gram matrix, estimate, deviation).
     pub fn disturbances(&self) -> Vec<(usize, f64, f64)> {
-        let solution = self.settled(&DVector::zeros(self.cross.ncols()), self.load.best);
+        let solution = self.nuisance.solve(&self.right);
         let covariance = self.nuisance.inverse();
         (self.starts..self.active.len())
             .map(|a| {

@@ -51,26 +51,13 @@ pub fn starts_of<S: Scalar>(rig: &Rig<S>) -> usize {
     }
 }
 
-/// From where, and under which torques of its own and which error of the load cell, a window runs.
+/// From where, and under which torques of its own, a window runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// State at the first sample.
     pub state: RigState<f64>,
     /// Torque on the disc beside the model's in each piece, from the first on; those that are not there are zero.
     pub torques: Vec<f64>,
-    /// Normal force on D2 beyond the record's, relative to it.
-    pub load_error: f64,
-}
-
-impl Start {
-    /// The same without torques of its own.
-    #[must_use]
-    pub fn without_torques(self) -> Self {
-        Self {
-            torques: Vec::new(),
-            ..self
-        }
-    }
 }
 
 impl From<RigState<f64>> for Start {
@@ -78,7 +65,6 @@ impl From<RigState<f64>> for Start {
         Self {
             state,
             torques: Vec::new(),
-            load_error: 0.0,
         }
     }
 }

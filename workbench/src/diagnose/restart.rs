@@ -12,7 +12,7 @@ use inference::marginal::Disturbance;
 use inference::record::{CHANNELS, RawRecord, channel};
 use inference::units::PlantUnits;
 use inference::window::{PIECE, START_COMPONENTS, Start, Window};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use stickslip::plant::{Rig, RigState, index};
 
 use super::case::Judging;
@@ -64,6 +64,7 @@ fn improved(data: &Data, hypothesis: &Hypothesis, starts: Vec<Start>) -> Starts 
     let mut states = starts;
     let mut present = grams(data, hypothesis, &states);
     let mut forms = reduced(data, &states, &present, &Disturbance::NONE);
+    let nothing = DVector::zeros(0);
     let mut open: Vec<usize> = (0..states.len()).collect();
     // Shares of the full step that are tried in turn where it makes a window worse.
     let mut shares = vec![1.0; states.len()];
@@ -73,7 +74,7 @@ fn improved(data: &Data, hypothesis: &Hypothesis, starts: Vec<Start>) -> Starts 
             .iter()
             .map(|&at| match &forms[at] {
                 Some(form) => {
-                    let change = form.start_change().map(|x| shares[at] * x);
+                    let change = form.start_change(&nothing).map(|x| shares[at] * x);
                     Start::from(data.windows[at].moved(&states[at].state, &change))
                 }
                 None => states[at].clone(),

@@ -1,6 +1,6 @@
 //! Sums of products of a window's residuals and derivatives, piece by piece.
 //!
-//! Within a piece a reading depends on the state at the piece's begin, the torques held in it and what all pieces share: a few slots,
+//! Within a piece a reading depends on the state at the piece's begin, the torques held in it and the free numbers: a few slots,
 //! whose products are summed up. How that state depends on all that was before, the chain, makes of them the products of all
 //! columns, once for each piece.
 
@@ -9,20 +9,20 @@ use nalgebra::DMatrix;
 use stickslip::plant::RigState;
 use stickslip::series::Dual;
 
-/// What the slots of a dual number are: start components, the torque on the disc, what all pieces share, the torque on the motor.
+/// What the slots of a dual number are: start components, the torque on the disc, free numbers, the torque on the motor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slots {
     /// Number of start components.
     pub starts: usize,
-    /// Number of those that all pieces share: the error of the load cell and the free numbers.
-    pub shared: usize,
+    /// Number of free numbers.
+    pub free: usize,
     /// Whether there is a torque on the motor.
     pub on_motor: bool,
 }
 
 impl Slots {
     fn count(&self) -> usize {
-        self.starts + 1 + self.shared + usize::from(self.on_motor)
+        self.starts + 1 + self.free + usize::from(self.on_motor)
     }
 }
 
@@ -44,7 +44,7 @@ pub(super) struct Sums {
 impl Sums {
     pub(super) fn new(slots: Slots, pieces: usize) -> Self {
         let torques = pieces * (1 + usize::from(slots.on_motor));
-        let columns = slots.starts + torques + slots.shared + 1;
+        let columns = slots.starts + torques + slots.free + 1;
         let local = slots.count() + 1;
         Self {
             slots,
@@ -80,15 +80,15 @@ impl Sums {
     fn column(&self, slot: usize, piece: usize) -> usize {
         let Slots {
             starts,
-            shared,
+            free,
             on_motor,
         } = self.slots;
-        let first_shared = starts + self.pieces * (1 + usize::from(on_motor));
+        let first_free = starts + self.pieces * (1 + usize::from(on_motor));
         match slot {
             _ if slot == starts => starts + piece,
-            _ if slot <= starts + shared => first_shared + slot - starts - 1,
-            _ if on_motor && slot == starts + shared + 1 => starts + self.pieces + piece,
-            _ => first_shared + shared,
+            _ if slot <= starts + free => first_free + slot - starts - 1,
+            _ if on_motor && slot == starts + free + 1 => starts + self.pieces + piece,
+            _ => first_free + free,
         }
     }
 
@@ -96,15 +96,15 @@ impl Sums {
     fn columns_before(&self, piece: usize) -> Vec<usize> {
         let Slots {
             starts,
-            shared,
+            free,
             on_motor,
         } = self.slots;
         let motor = starts + self.pieces;
         let on_motor = if on_motor { motor..motor + piece } else { 0..0 };
-        let first_shared = self.column(starts + 1, 0);
+        let first_free = self.column(starts + 1, 0);
         (0..starts + piece)
             .chain(on_motor)
-            .chain(first_shared..first_shared + shared)
+            .chain(first_free..first_free + free)
             .collect()
     }
 
@@ -210,7 +210,7 @@ mod tests {
     fn sums_agree(on_motor: bool) {
         let slots = Slots {
             starts: 3,
-            shared: 2,
+            free: 2,
             on_motor,
         };
         let mut sums = Sums::new(slots, PIECES);

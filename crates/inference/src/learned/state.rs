@@ -104,7 +104,10 @@ impl State {
             .zip(&self.forms)
             .zip(&data.windows)
             .map(|((start, form), window)| match form {
-                Some(form) => form.moved(window, start, &step),
+                Some(form) => Start {
+                    state: window.moved(&start.state, &form.start_change(&step)),
+                    torques: form.torques(&step),
+                },
                 None => start.clone(),
             })
             .collect();

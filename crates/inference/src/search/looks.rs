@@ -122,7 +122,7 @@ fn look_data(problem: &Problem, current: &Candidate) -> (Data, Fit) {
     let part = data.part(&kept);
     let starts = kept.iter().map(|&j| fit.starts[j].clone());
     let (part, starts) = if fit.disturbance == Disturbance::NONE {
-        let without_torques = starts.map(Start::without_torques);
+        let without_torques = starts.map(|start| Start::from(start.state));
         (part.undivided(), without_torques.collect())
     } else {
         (part, starts.collect())
