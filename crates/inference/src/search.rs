@@ -7,7 +7,7 @@ mod race;
 
 use self::candidate::candidate;
 pub use self::candidate::{Candidate, Objection};
-use self::looks::{followed, is_near, looks, swapped};
+use self::looks::{followed, looks, swapped};
 use self::race::race;
 use crate::certainty::ReplayedEstimates;
 use crate::effects::Effect;
@@ -256,20 +256,9 @@ fn add(
         .filter(|effect| !current.effects.contains(&effect.name))
         .filter(|effect| effect.is_possible(&problem.rig))
         .collect();
-    // Beside friction that fluctuates in its place another law promises nothing: it is looked at where friction is calm.
-    let is_covered = current.fit.disturbance != Disturbance::NONE && is_near(problem, current);
-    let (laws, effects): (Vec<&Effect>, Vec<&Effect>) = effects
-        .into_iter()
-        .partition(|effect| is_covered && effect.is_law());
-    let looks_beside = looks(problem, current, &effects, progress);
-    let exchanged = swapped(problem, current, &looks_beside);
-    let mut hypotheses = followed(problem, current, looks_beside, progress);
-    if !laws.is_empty() {
-        let calm = candidate(problem, current.fit.calm(&problem.long));
-        let looks = looks(problem, &calm, &laws, progress);
-        hypotheses.extend(followed(problem, &calm, looks, progress));
-    }
-    let fits = hypotheses
+    let looks = looks(problem, current, &effects, progress);
+    let exchanged = swapped(problem, current, &looks);
+    let fits = followed(problem, current, looks, progress)
         .into_iter()
         .chain(exchanged)
         .map(|hypothesis| begun(problem, hypothesis, Some(&current.fit)))

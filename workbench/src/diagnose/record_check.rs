@@ -405,6 +405,7 @@ mod tests {
         assert_eq!(thin.columns[0][3], 34.5);
         assert!(thin.columns[6].is_empty());
     }
+
     #[test]
     fn a_step_of_the_voltage_keeps_its_instant_where_samples_are_left_out() {
         let mut columns: [Vec<f64>; WIDTH] = std::array::from_fn(|_| vec![0.0; 40]);
