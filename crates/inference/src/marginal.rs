@@ -38,7 +38,9 @@ pub struct Reduced {
     pub gradient: DVector<f64>,
     /// Sum of squared whitened residuals that the nuisances cannot explain.
     pub square: f64,
-    /// ln det of the nuisances' contribution to the covariance, and what the load cell's errors cost.
+    /// What of it the best error of the load cell does not explain either.
+    pub left: f64,
+    /// ln det of the nuisances' contribution to the covariance, less what the load cell's errors explain.
     pub log_determinant: f64,
     /// Number of residuals.
     pub residuals: usize,
@@ -164,6 +166,7 @@ pub fn reduce(
         curvature,
         gradient,
         square: square.max(0.0),
+        left: square.max(0.0),
         log_determinant,
         residuals: gram.residuals,
         nuisance,

@@ -23,7 +23,7 @@ impl Missed {
     pub fn by(fit: &Fit, data: &Data) -> Self {
         let is_missed = |form: &Reduced| {
             let n = form.residuals.max(1) as f64;
-            0.5 * n * (form.square / (MOST_MISFIT * n)).ln() > MOST_TOLD
+            0.5 * n * (form.left / (MOST_MISFIT * n)).ln() > MOST_TOLD
         };
         let forms = fit.reduced(data);
         Self {
