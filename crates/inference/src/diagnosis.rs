@@ -5,25 +5,12 @@ use crate::check::{Check, check};
 use crate::data::BLOCK;
 use crate::fit::Fit;
 use crate::learned::{Learned, learn};
-use crate::policy::{NAMED, SURELY};
+use crate::policy::SURELY;
 use crate::problem::Problem;
 use crate::search::{Candidate, Objection, search};
+pub use crate::sets::Verdict;
+use crate::sets::{EffectSet as _, probabilities, sum_and_error};
 use crate::structure::{Structure, structures};
-
-/// What a diagnosis comes to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// The model explains the records.
-    NothingMissing,
-    /// Other nominal parameters explain the records; no effect is missing.
-    Parameters,
-    /// The effects named are missing.
-    Named,
-    /// One of several sets of effects is missing; these records cannot tell which.
-    Ambiguous,
-    /// Something is missing that no effect of the catalogue explains.
-    NotInCatalogue,
-}
 
 /// A set of effects beside the best one.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,23 +100,12 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
     };
     let ranking = ranking(problem, &found.candidates, &found.base);
     let probability = ranking.first().map_or(0.0, |rival| rival.probability);
-    let sure = best
+    let of_effects: Vec<f64> = best
         .effects
         .iter()
-        .all(|name| probability_of(&ranking, name) >= NAMED);
-    let verdict = if !check.is_passed() {
-        Verdict::NotInCatalogue
-    } else if best.effects.is_empty() {
-        if moved(&found.base.fit) {
-            Verdict::Parameters
-        } else {
-            Verdict::NothingMissing
-        }
-    } else if sure {
-        Verdict::Named
-    } else {
-        Verdict::Ambiguous
-    };
+        .map(|name| probability_of(&ranking, name))
+        .collect();
+    let verdict = Verdict::of(check.is_passed(), &of_effects, moved(&found.base.fit));
     let numbers = if verdict == Verdict::NotInCatalogue && !best.effects.is_empty() {
         found.base.fit.replayed_estimates(problem)
     } else {
@@ -171,23 +147,16 @@ fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec
     let data = &problem.long;
     let losses = |candidate: &Candidate| candidate.fit.held_out_losses(data);
     let (best, nothing) = (losses(&candidates[0]), losses(base));
-    // The first set counts whatever speaks against it: there is none that is better.
-    let weight = |place: usize, candidate: &Candidate| match candidate.objection {
-        Some(_) if place > 0 => 0.0,
-        _ => candidate.odds_over(&candidates[0]).exp(),
-    };
-    let weighed = candidates.iter().enumerate();
-    let all: f64 = weighed.map(|(place, own)| weight(place, own)).sum();
     let mut ranking: Vec<Rival> = candidates
         .iter()
-        .enumerate()
-        .map(|(place, candidate)| {
+        .zip(probabilities(candidates))
+        .map(|(candidate, probability)| {
             let own = losses(candidate);
             let (margin, margin_error) = gain(&own, &best);
             let (gain, gain_error) = gain(&nothing, &own);
             Rival {
                 effects: candidate.effects.clone(),
-                probability: weight(place, candidate) / all,
+                probability,
                 score: candidate.odds_over(&candidates[0]),
                 objection: candidate.objection.clone(),
                 margin,
@@ -221,9 +190,5 @@ pub(crate) fn gain(worse: &[Option<f64>], better: &[Option<f64>]) -> (f64, f64) 
         .chunks(BLOCK)
         .map(|block| block.iter().sum())
         .collect();
-    let count = blocks.len() as f64;
-    let total: f64 = blocks.iter().sum();
-    let mean = total / count;
-    let variance = blocks.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
-    (total, (count * variance).sqrt())
+    sum_and_error(&blocks)
 }

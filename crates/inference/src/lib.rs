@@ -30,6 +30,7 @@ pub mod record;
 pub mod replica;
 pub mod scales;
 pub mod search;
+pub mod sets;
 pub mod structure;
 pub mod trace;
 pub mod units;

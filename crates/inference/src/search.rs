@@ -18,13 +18,12 @@ use crate::loss;
 use crate::marginal::Disturbance;
 use crate::policy::{MOST_EFFECTS, WRONG};
 use crate::problem::Problem;
+use crate::sets::{EffectSet as _, Moves, explore, keep};
 
 /// Steps of a fit to short windows.
 const NEAR_STEPS: usize = 10;
 /// Windows on which sets are looked for before they are fitted to all.
 const PART_WINDOWS: usize = 100;
-/// Share of what a set gains that a part of it must gain by itself for other effects to be tried beside it.
-const CONSIDERABLE: f64 = 0.1;
 /// Sets with effects that are fitted to all windows.
 const RIVALS: usize = 3;
 
@@ -39,15 +38,6 @@ pub struct Search {
     pub base: Candidate,
 }
 
-/// Beside which sets [`explore`] tries all further effects.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Reach {
-    /// The best set alone: beside those of one effect less they were tried on a part of the windows.
-    Best,
-    /// The best set and those of one effect less.
-    Smaller,
-}
-
 /// Goes over sets of effects until no move gains, first on a part of the windows and from what that leads to on all of them;
 /// `progress` hears of each set that is fitted.
 #[must_use]
@@ -56,10 +46,15 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
     let part = problem.part(PART_WINDOWS);
     let first = candidate(&part, fit_from(&part, part.hypothesis(), None, true));
     let mut known = vec![first.clone()];
-    let mut open = Reach::Smaller;
-    if first.fit.calm(&part.long).misfit(&part.long) > WRONG {
-        explore(&part, &mut known, Reach::Smaller, progress);
-        open = Reach::Best;
+    // Parts of the best set are tried with all effects once: on a part of the windows, or where that was right at once, on all.
+    let is_wrong = first.fit.calm(&part.long).misfit(&part.long) > WRONG;
+    if is_wrong {
+        let mut moves = Windows {
+            problem: &part,
+            tries_parts: true,
+            progress,
+        };
+        explore(&mut moves, &mut known);
     }
     let rivals = known.iter().filter(|c| !c.effects.is_empty()).take(RIVALS);
     let nothing = known.iter().find(|c| c.effects.is_empty());
@@ -71,7 +66,12 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
         .into_iter()
         .map(|fit| candidate(problem, fit))
         .collect();
-    explore(problem, &mut whole, open, progress);
+    let mut moves = Windows {
+        problem,
+        tries_parts: !is_wrong,
+        progress,
+    };
+    explore(&mut moves, &mut whole);
     let numbers = doubt::weigh(problem, &mut whole, progress);
     let base = whole
         .iter()
@@ -93,42 +93,47 @@ fn named(effects: &[&str]) -> String {
     }
 }
 
-/// Goes on from the best of `known` until no move gains.
-fn explore(
-    problem: &Problem,
-    known: &mut Vec<Candidate>,
-    reach: Reach,
-    progress: &mut dyn FnMut(&str),
-) {
-    let mut expanded: Vec<Vec<&'static str>> = Vec::new();
-    known.sort_by(|a, b| b.score().total_cmp(&a.score()));
-    let Some(mut current) = known.first().cloned() else {
-        return;
-    };
-    loop {
-        expanded.push(current.effects.clone());
-        if current.effects.len() < MOST_EFFECTS {
-            add(problem, &current, known, progress);
-        }
-        if current.effects.len() > 1 {
-            for left_out in current.effects.clone() {
-                let fewer = remove(problem, &current, left_out, known, progress);
-                if reach == Reach::Best {
-                    continue;
-                }
-                let alone = known
-                    .iter()
-                    .find(|candidate| candidate.effects.is_empty())
-                    .map_or(f64::NEG_INFINITY, |candidate| candidate.evidence);
-                let share = (fewer.evidence - alone) / (current.evidence - alone);
-                if share > CONSIDERABLE && !expanded.contains(&fewer.effects) {
-                    expanded.push(fewer.effects.clone());
-                    add(problem, &fewer, known, progress);
-                }
-            }
-        }
-        try_laws(problem, &current, known, progress);
-        for larger in stand_ins(&current, known) {
+/// The moves of a rig, whose sets are fitted to windows of the records.
+struct Windows<'a, 'b> {
+    problem: &'a Problem,
+    tries_parts: bool,
+    progress: &'a mut (dyn FnMut(&str) + 'b),
+}
+
+impl Moves for Windows<'_, '_> {
+    type Set = Candidate;
+
+    fn most_effects(&self) -> usize {
+        MOST_EFFECTS
+    }
+
+    fn rivals(&self) -> usize {
+        0
+    }
+
+    fn tries_parts(&self) -> bool {
+        self.tries_parts
+    }
+
+    fn add(&mut self, current: &Candidate, known: &mut Vec<Candidate>) {
+        add(self.problem, current, known, self.progress);
+    }
+
+    fn remove(
+        &mut self,
+        current: &Candidate,
+        left_out: &'static str,
+        known: &mut Vec<Candidate>,
+    ) -> Candidate {
+        remove(self.problem, current, left_out, known, self.progress)
+    }
+
+    fn revise(&mut self, current: &Candidate, known: &mut Vec<Candidate>) {
+        let Self {
+            problem, progress, ..
+        } = self;
+        try_laws(problem, current, known, progress);
+        for larger in stand_ins(current, known) {
             if larger.objection.is_some() {
                 // The law may have started at the wrong place for the effect beside it.
                 try_laws(problem, &larger, known, progress);
@@ -139,11 +144,6 @@ fn explore(
             }
         }
         share_starts(problem, known);
-        best_first(known);
-        if expanded.contains(&known[0].effects) {
-            break;
-        }
-        current = known[0].clone();
     }
 }
 
@@ -166,18 +166,6 @@ fn stand_ins(current: &Candidate, known: &[Candidate]) -> Vec<Candidate> {
         })
         .cloned()
         .collect()
-}
-
-/// Sorts sets by their scores, and puts before them the one that no other leads.
-fn best_first(known: &mut [Candidate]) {
-    known.sort_by(|a, b| b.score().total_cmp(&a.score()));
-    let mut best = 0;
-    for other in 1..known.len() {
-        if known[other].objection.is_none() && known[other].odds_over(&known[best]) > 0.0 {
-            best = other;
-        }
-    }
-    known[..=best].rotate_right(1);
 }
 
 /// The fit of these effects on top of the analyst's model, whether it gains or not; `None` where one of them makes no sense.
@@ -270,17 +258,6 @@ fn add(
 
 fn own_names(hypothesis: &Hypothesis) -> Vec<&str> {
     hypothesis.effects.iter().map(String::as_str).collect()
-}
-
-fn keep(known: &mut Vec<Candidate>, candidate: Candidate) {
-    match known
-        .iter_mut()
-        .find(|other| other.effects == candidate.effects)
-    {
-        Some(other) if other.evidence >= candidate.evidence => {}
-        Some(other) => *other = candidate,
-        None => known.push(candidate),
-    }
 }
 
 /// Fits the laws that `current` may have, from the starts that the records suggest beside the numbers of its other effects: its own,

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use inference::learned::TableEffect;
+use inference::sets::Verdict;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use stickslip::plant::Port;
@@ -45,6 +46,18 @@ impl VerdictName {
             Self::Ambiguous => "ambiguous",
             Self::NotInCatalogue => "not_in_catalogue",
             Self::Located => "located",
+        }
+    }
+}
+
+impl From<Verdict> for VerdictName {
+    fn from(verdict: Verdict) -> Self {
+        match verdict {
+            Verdict::NothingMissing => Self::NothingMissing,
+            Verdict::Parameters => Self::Parameters,
+            Verdict::Named => Self::Named,
+            Verdict::Ambiguous => Self::Ambiguous,
+            Verdict::NotInCatalogue => Self::NotInCatalogue,
         }
     }
 }

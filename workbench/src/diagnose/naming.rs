@@ -83,7 +83,8 @@ fn told(found: &Diagnosis) -> impl Iterator<Item = &Rival> {
 }
 
 /// A set's effects as a ranking has them.
-fn joined(effects: &[&str]) -> String {
+#[must_use]
+pub fn joined(effects: &[&str]) -> String {
     if effects.is_empty() {
         NO_EFFECT.to_owned()
     } else {
@@ -92,13 +93,7 @@ fn joined(effects: &[&str]) -> String {
 }
 
 fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<Finding> {
-    let verdict = match found.verdict {
-        Verdict::NothingMissing => VerdictName::NothingMissing,
-        Verdict::Parameters => VerdictName::Parameters,
-        Verdict::Named => VerdictName::Named,
-        Verdict::Ambiguous => VerdictName::Ambiguous,
-        Verdict::NotInCatalogue => VerdictName::NotInCatalogue,
-    };
+    let verdict = VerdictName::from(found.verdict);
     // Effects that do not explain the records are not added: the model keeps its refitted parameters alone.
     let effects: Vec<(String, f64)> = match verdict {
         VerdictName::Named | VerdictName::Ambiguous => found

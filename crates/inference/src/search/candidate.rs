@@ -7,6 +7,7 @@ use crate::fit::Fit;
 use crate::hypothesis::Estimate;
 use crate::policy::{LN_PRIOR_ODDS, SURELY};
 use crate::problem::Problem;
+use crate::sets::EffectSet;
 
 /// Why a set of effects is no answer, whatever its evidence.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,31 +40,6 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Log evidence and prior odds of its effects; −∞ for a set that is no answer.
-    #[must_use]
-    pub fn score(&self) -> f64 {
-        match self.objection {
-            None => self.odds(),
-            Some(_) => f64::NEG_INFINITY,
-        }
-    }
-
-    /// Log evidence and prior odds of its effects, whether it is an answer or not.
-    #[must_use]
-    pub fn odds(&self) -> f64 {
-        with_prior(self.evidence, self.effects.len())
-    }
-
-    /// Log odds of this set over `other`, whichever has more effects.
-    #[must_use]
-    pub fn odds_over(&self, other: &Self) -> f64 {
-        if self.effects.len() > other.effects.len() {
-            self.lead(other)
-        } else {
-            -other.lead(self)
-        }
-    }
-
     /// Log odds of this set over `other`, which has no more effects.
     #[must_use]
     pub fn lead(&self, other: &Self) -> f64 {
@@ -76,6 +52,37 @@ impl Candidate {
             gain
         };
         sure + LN_PRIOR_ODDS * more
+    }
+}
+
+impl EffectSet for Candidate {
+    /// An effect more must lead alone: whether that is chance, replicas tell.
+    fn least_lead() -> f64 {
+        0.0
+    }
+
+    fn effects(&self) -> &[&'static str] {
+        &self.effects
+    }
+
+    fn is_answer(&self) -> bool {
+        self.objection.is_none()
+    }
+
+    fn evidence(&self) -> f64 {
+        self.evidence
+    }
+
+    fn odds(&self) -> f64 {
+        with_prior(self.evidence, self.effects.len())
+    }
+
+    fn odds_over(&self, other: &Self) -> f64 {
+        if self.effects.len() > other.effects.len() {
+            self.lead(other)
+        } else {
+            -other.lead(self)
+        }
     }
 }
 

@@ -2,12 +2,13 @@
 
 use super::candidate::{Objection, candidate, may_vanish};
 use super::looks::is_near;
-use super::{Candidate, best_first, keep, race, rebuilt};
+use super::{Candidate, race, rebuilt};
 use crate::certainty::ReplayedEstimates;
 use crate::fit::{self, Fit};
 use crate::policy::{LN_PRIOR_ODDS, REPLICAS, SIGNIFICANT};
 use crate::problem::Problem;
 use crate::replica::{exceeded, replica};
+use crate::sets::{EffectSet as _, best_first, keep};
 
 /// Steps of the fits to a replica.
 const STEPS: usize = 8;

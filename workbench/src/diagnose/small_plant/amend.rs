@@ -3,44 +3,80 @@
 use std::collections::BTreeMap;
 
 use super::case::SmallCase;
-use super::evidence::{gain, left_out_errors, unit};
+use super::evidence::Errors;
 use super::finding::{Course, SmallFinding};
 use super::least_squares::Fit;
 use super::model_file::{SmallModel, dotted};
-use super::naming::{Kept, LEAST_GAIN, Naming};
-use super::problem::Problem;
+use super::naming::{Candidate, Naming};
 use super::showing::{balance, final_intervals, polished};
 use super::structure::structures;
 use crate::diagnose::finding::{Finding, FoundEffect, ParameterValue, Ranked, VerdictName};
+use crate::diagnose::naming::joined;
+use inference::policy::{RIVAL, SURELY};
+use inference::sets::{EffectSet as _, Verdict};
 use stickslip::body::{Dimension, Kind};
 use stickslip::parameter::Provenance;
 
 /// Share of what is left that a free function of one coordinate may explain before something counts as missing still: most of it.
 const STRUCTURED: f64 = 0.5;
-/// Standard deviations by which a number must have moved to count as wrong.
-const MOVED: f64 = 2.0;
-
 /// The finding of what naming came to.
 #[must_use]
 pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
-    let mut found = described(case, &naming.base, &naming.amended, &naming.kept);
-    found.finding.ranking = naming
-        .ranking
+    let best = naming.best();
+    let mut found = described(case, &naming.base.fit, &best.fit);
+    for effect in &mut found.finding.effects {
+        effect.probability = naming.probability_of(&effect.name);
+    }
+    let of_effects: Vec<f64> = best
+        .names
         .iter()
-        .map(|tried| Ranked {
-            name: tried.entries.iter().map(|entry| entry.name).collect(),
-            gain: tried.gain.value,
-            interval95: tried.gain.interval95,
-            ..Ranked::default()
+        .map(|name| naming.probability_of(name))
+        .collect();
+    let is_explained = found.finding.verdict != VerdictName::NotInCatalogue;
+    let have_moved = numbers_moved(case, &found.finding.parameters);
+    let verdict = Verdict::of(is_explained, &of_effects, have_moved);
+    found.finding.verdict = verdict.into();
+    let weighed = || naming.sets.iter().zip(&naming.probabilities);
+    if verdict == Verdict::Ambiguous {
+        found.finding.alternatives = weighed()
+            .filter(|(set, probability)| {
+                let is_larger = set.names.len() > best.names.len();
+                **probability > RIVAL
+                    && !(is_larger && best.names.iter().all(|own| set.names.contains(own)))
+            })
+            .map(|(set, _)| joined(&set.names))
+            .collect();
+    }
+    found.finding.ranking = weighed()
+        .map(|(set, probability)| Ranked {
+            score: set.is_answer().then(|| set.odds_over(best)),
+            probability: Some(*probability),
+            ..ranked(joined(&set.names), set, &naming.base)
         })
+        .collect();
+    found.small_plant.gains = best
+        .names
+        .iter()
+        .filter_map(|name| Some(ranked((*name).to_owned(), best, naming.without(name)?)))
         .collect();
     found
 }
 
-/// The finding of a base and a model with effects that were kept, or that a person named (without gain and rivals), both fitted to the
-/// balance.
+/// What a set gains over another.
+fn ranked(name: String, set: &Candidate, other: &Candidate) -> Ranked {
+    let gain = set.errors.gain_over(&other.errors);
+    Ranked {
+        name,
+        gain: gain.value,
+        interval95: gain.interval95(),
+        ..Ranked::default()
+    }
+}
+
+/// The finding of a base and a model with effects that a person named, both fitted to the balance: where structure is left, and whether
+/// a free function explains more.
 #[must_use]
-pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> SmallFinding {
+pub fn described(case: &SmallCase, base: &Fit, last: &Fit) -> SmallFinding {
     let balance = balance(case);
     let ports = case.model.port_names();
     let before = structures(&balance, &base.model, &case.scales, &ports);
@@ -50,41 +86,21 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> Sma
         .filter(|left| left.located.significant)
         .map(|left| left.share)
         .fold(0.0, f64::max);
-    let explained = left_out_errors(&balance, last, &case.scales);
-    let unit = unit(&balance.residuals(&last.model));
+    let explained = Errors::left_out(&balance, last, &case.scales);
     let is_outdone = before.iter().any(|free| {
-        let there = balance.pieces_at(free.port).into_iter().chain([true]);
-        let explained: Vec<f64> = explained
-            .iter()
-            .zip(there)
-            .filter_map(|(error, own)| own.then_some(*error))
-            .collect();
-        let more = gain(&explained, &free.errors, unit, before.len());
-        more.value > LEAST_GAIN && more.sure > 0.0
+        let there = explained.part(&balance.pieces_at(free.port));
+        free.errors.gain_over(&there).is_sure()
     });
-    let (effects, parameters) = numbers(case, &polished(case, last), kept);
-    let alternatives: Vec<String> = kept
-        .iter()
-        .filter(|kept| !kept.rivals.is_empty())
-        .flat_map(|kept| std::iter::once(kept.entry.name).chain(kept.rivals.iter().copied()))
-        .map(str::to_owned)
-        .collect();
-    let verdict = if is_outdone || share_left > STRUCTURED {
-        VerdictName::NotInCatalogue
-    } else if !alternatives.is_empty() {
-        VerdictName::Ambiguous
-    } else if !kept.is_empty() {
-        VerdictName::Named
-    } else if numbers_moved(case, &parameters) {
-        VerdictName::Parameters
-    } else {
-        VerdictName::NothingMissing
+    let (effects, parameters) = numbers(case, &polished(case, last));
+    let verdict = match is_outdone || share_left > STRUCTURED {
+        true => VerdictName::NotInCatalogue,
+        false => VerdictName::Named,
     };
     SmallFinding {
         finding: Finding {
             verdict,
             effects,
-            alternatives,
+            alternatives: Vec::new(),
             experiment: None,
             ranking: Vec::new(),
             check: None,
@@ -107,15 +123,7 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit, kept: &[Kept]) -> Sma
             }
             .to_owned(),
             share_left,
-            gains: kept
-                .iter()
-                .map(|kept| Ranked {
-                    name: kept.entry.name.to_owned(),
-                    gain: kept.gain.value,
-                    interval95: kept.gain.interval95,
-                    ..Ranked::default()
-                })
-                .collect(),
+            gains: Vec::new(),
             steps: Vec::new(),
         },
     }
@@ -134,7 +142,7 @@ fn quantity(kind: Kind) -> &'static str {
 
 type Numbers = (Vec<FoundEffect>, BTreeMap<String, ParameterValue>);
 
-fn numbers(case: &SmallCase, last: &Fit, kept: &[Kept]) -> Numbers {
+fn numbers(case: &SmallCase, last: &Fit) -> Numbers {
     let intervals = final_intervals(case, last);
     let (kind, path) = (case.kind(), case.model.model.path);
     let mut effects = Vec::new();
@@ -160,11 +168,10 @@ fn numbers(case: &SmallCase, last: &Fit, kept: &[Kept]) -> Numbers {
         if case.model.model.has(term.entry.name) {
             nominal.extend(values.map(|(_, number)| (number.model_parameter.clone(), number)));
         } else {
-            let rivals = kept.iter().find(|kept| kept.entry.name == term.entry.name);
             effects.push(FoundEffect {
                 name: term.entry.name.to_owned(),
                 description: term.entry.description.to_owned(),
-                probability: rivals.map_or(0.0, |kept| 1.0 / (1.0 + kept.rivals.len() as f64)),
+                probability: 0.0,
                 parameters: values.collect(),
             });
         }
@@ -189,7 +196,7 @@ fn numbers_moved(case: &SmallCase, refitted: &BTreeMap<String, ParameterValue>) 
                 let after = refitted.get(&name).map(|number| number.value);
                 match (stated, after) {
                     (Some(share), Some(after)) => {
-                        (after - before).abs() > MOVED * share * before.abs()
+                        (after - before).abs() > SURELY * share * before.abs()
                     }
                     _ => false,
                 }

@@ -28,6 +28,7 @@ use crate::diagnose::finding::VerdictName;
 use crate::diagnose::material::Material;
 use crate::diagnose::report::FILE as REPORT;
 use crate::files::atomic;
+use inference::sets::is_same;
 use stickslip::body::Kind;
 
 /// How a note begins that tells which FMUs there are.
@@ -207,9 +208,9 @@ fn named_finding(
         if case.chased.is_none() {
             break;
         }
-        case.pursue(&naming.amended.model, progress)?;
+        case.pursue(&naming.best().fit.model, progress)?;
         let again = names(case, &open, most + more, progress);
-        let is_settled = again.names() == naming.names();
+        let is_settled = is_same(&again.best().names, &naming.best().names);
         naming = again;
         if is_settled {
             break;
@@ -246,15 +247,12 @@ fn names(
 fn located(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {
     progress("nominal parameters");
     let base = fit_base(&balance(case), &case.model.model, &case.scales);
-    let mut found = described(case, &base, &base, &[]);
-    if found
-        .finding
-        .structure
-        .iter()
-        .any(|place| place.significant)
-    {
-        found.finding.verdict = VerdictName::NotInCatalogue;
-    }
+    let mut found = described(case, &base, &base);
+    let mut places = found.finding.structure.iter();
+    found.finding.verdict = match places.any(|place| place.significant) {
+        true => VerdictName::NotInCatalogue,
+        false => VerdictName::NothingMissing,
+    };
     found
 }
 
@@ -272,11 +270,7 @@ fn forced(
         progress(entry.name);
         fitted = fit_with(&problem, &fitted.model, entry, &case.scales);
     }
-    let mut found = described(case, &base, &fitted, &[]);
-    if found.finding.verdict != VerdictName::NotInCatalogue {
-        found.finding.verdict = VerdictName::Named;
-    }
-    Ok(found)
+    Ok(described(case, &base, &fitted))
 }
 
 fn entries(case: &SmallCase, effects: &[String]) -> anyhow::Result<Vec<&'static Entry>> {

@@ -1,101 +1,140 @@
-//! What speaks for an effect: errors on what was left out of the fit, and how certain their difference is.
+//! What speaks for a model: errors on what was left out of the fit, and how certain their difference is.
+
+use std::f64::consts::PI;
 
 use super::least_squares::{Fit, Start, fit_from};
 use super::motion::Scales;
 use super::problem::Problem;
-use inference::random::Random;
+use inference::policy::{LN_ONE_OF_MANY, SURELY, sure_odds};
+use inference::sets::sum_and_error;
 
 /// Steps of a refit that leaves a fold out; it starts from the fit to everything.
 const REFIT_STEPS: usize = 3;
-/// Gain in ln likelihood up to which two fits are the same but for the steps in which they converged.
-const SAME: f64 = 0.01;
-/// Resamplings of the pieces.
-const RESAMPLINGS: usize = 4000;
 
-/// Squared errors piece by piece, each under a fit that has not seen its fold; last those against what was known before.
-#[must_use]
-pub fn left_out_errors(problem: &dyn Problem, fitted: &Fit, scales: &Scales) -> Vec<f64> {
-    let folds = problem.folds();
-    let count = folds.iter().max().map_or(0, |last| last + 1);
-    let mut errors = vec![0.0; folds.len()];
-    let start = Start::new(problem, &fitted.model, scales);
-    for fold in 0..count {
-        let refit = fit_from(problem, &start, Some(fold), REFIT_STEPS);
-        for (at, piece) in refit.residuals.iter().enumerate() {
-            if folds[at] == fold {
-                errors[at] = piece.iter().map(|r| r * r).sum();
-            }
-        }
-    }
-    errors.push(problem.prior(&fitted.model).iter().map(|r| r * r).sum());
-    errors
+/// Errors of a model on what it was not fitted to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Errors {
+    /// Squared errors piece by piece.
+    pub pieces: Vec<f64>,
+    /// Squared errors of the model's numbers against what was known of them before.
+    pub known: f64,
+    /// Squared error that makes one unit of 2 ln likelihood.
+    pub unit: f64,
 }
 
-/// A gain in ln likelihood with its uncertainty.
+impl Errors {
+    /// Errors of a fitted model, in each piece under a fit that has not seen its fold.
+    #[must_use]
+    pub fn left_out(problem: &dyn Problem, fitted: &Fit, scales: &Scales) -> Self {
+        let folds = problem.folds();
+        let count = folds.iter().max().map_or(0, |last| last + 1);
+        let mut pieces = vec![0.0; folds.len()];
+        let start = Start::new(problem, &fitted.model, scales);
+        for fold in 0..count {
+            let refit = fit_from(problem, &start, Some(fold), REFIT_STEPS);
+            for (at, piece) in refit.residuals.iter().enumerate() {
+                if folds[at] == fold {
+                    pieces[at] = piece.iter().map(|r| r * r).sum();
+                }
+            }
+        }
+        Self {
+            pieces,
+            known: problem.prior(&fitted.model).iter().map(|r| r * r).sum(),
+            unit: unit(&fitted.residuals),
+        }
+    }
+
+    /// Errors that these residuals are, piece by piece, of a model whose numbers lie so far from what was known.
+    #[must_use]
+    pub fn of(residuals: &[Vec<f64>], known: f64) -> Self {
+        let square = |piece: &Vec<f64>| piece.iter().map(|r| r * r).sum();
+        Self {
+            pieces: residuals.iter().map(square).collect(),
+            known,
+            unit: unit(residuals),
+        }
+    }
+
+    /// Those of the pieces for which `is_in` holds.
+    #[must_use]
+    pub fn part(&self, is_in: &[bool]) -> Self {
+        let pieces = self.pieces.iter().zip(is_in);
+        Self {
+            pieces: pieces
+                .filter_map(|(error, is_in)| is_in.then_some(*error))
+                .collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Whether the model could run through all of the records.
+    #[must_use]
+    pub fn are_finite(&self) -> bool {
+        let sum: f64 = self.pieces.iter().sum();
+        (sum + self.known + self.unit).is_finite()
+    }
+
+    /// Gain in ln likelihood of a model with these errors over one with those, where the noise is as large as each model leaves it.
+    #[must_use]
+    pub fn gain_over(&self, other: &Self) -> Gain {
+        let unit = 2.0 * logarithmic_mean(self.unit, other.unit);
+        let differences: Vec<f64> = other
+            .pieces
+            .iter()
+            .zip(&self.pieces)
+            .map(|(other, own)| (other - own) / unit)
+            .collect();
+        let (pieces, error) = sum_and_error(&differences);
+        Gain {
+            value: pieces + (other.known - self.known) / unit,
+            error,
+        }
+    }
+}
+
+/// A gain in ln likelihood with its standard error, by the scatter between pieces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gain {
     /// Gain on what was left out.
     pub value: f64,
-    /// Interval that covers it with 95 % probability.
-    pub interval95: [f64; 2],
-    /// Lower bound that holds with 95 % probability for all of the looks together.
-    pub sure: f64,
+    /// Its standard error.
+    pub error: f64,
 }
 
 impl Gain {
-    /// Whether there is surely a gain. Two effects that do the same in these records, such as two that differ only where the motion
-    /// reverses, have neither a gain nor a scatter between them.
+    /// Log odds that a gain with these prior log odds means: the probability averaged over a gain that is normally distributed,
+    /// by MacKay's approximation (Neural Computation 4, 1992).
     #[must_use]
-    pub fn is_certain(&self) -> bool {
-        self.interval95[0] >= SAME
+    pub fn odds(&self, prior: f64) -> f64 {
+        (self.value + prior) / (1.0 + PI / 8.0 * self.error * self.error).sqrt()
     }
 
-    /// Gain over its standard deviation; 0 where it has none.
+    /// Whether it speaks for one more effect, with the probability that names are given.
     #[must_use]
-    pub fn significance(&self) -> f64 {
-        let [low, high] = self.interval95;
-        let deviation = (high - low) / (2.0 * 1.96);
-        if deviation > 0.0 {
-            self.value / deviation
-        } else {
-            0.0
-        }
+    pub fn is_sure(&self) -> bool {
+        self.odds(LN_ONE_OF_MANY) > sure_odds()
+    }
+
+    /// Interval that covers it with 95 % probability.
+    #[must_use]
+    pub fn interval95(&self) -> [f64; 2] {
+        [
+            self.value - SURELY * self.error,
+            self.value + SURELY * self.error,
+        ]
     }
 }
 
-/// Gain from errors `before` to errors `after`, where `unit` is the squared error that makes one unit of 2 ln likelihood
-/// and `looks` candidates were looked at. The last errors are those against what was known before, which no chance has a part in.
-#[must_use]
-pub fn gain(before: &[f64], after: &[f64], unit: f64, looks: usize) -> Gain {
-    let differences: Vec<f64> = before
-        .iter()
-        .zip(after)
-        .map(|(b, a)| (b - a) / (2.0 * unit))
-        .collect();
-    let Some((known, differences)) = differences.split_last() else {
-        return Gain {
-            value: 0.0,
-            interval95: [0.0; 2],
-            sure: 0.0,
-        };
-    };
-    let count = differences.len();
-    let mut random = Random::new(20_160_912);
-    let mut sums: Vec<f64> = (0..RESAMPLINGS)
-        .map(|_| {
-            let drawn = (0..count).map(|_| differences[random.index(count)]);
-            drawn.sum::<f64>() + known
-        })
-        .collect();
-    sums.sort_by(f64::total_cmp);
-    let quantile = |share: f64| {
-        let at = (share * RESAMPLINGS as f64) as usize;
-        sums.get(at.min(RESAMPLINGS - 1)).copied().unwrap_or(0.0)
-    };
-    Gain {
-        value: differences.iter().sum::<f64>() + known,
-        interval95: [quantile(0.025), quantile(0.975)],
-        sure: quantile(0.05 / looks.max(1) as f64),
+/// The mean m of two units for which (S₁ − S₂)/m is n·ln(S₁/S₂), where S₁ and S₂ are n units each: ln likelihood with the noise that
+/// fits each best is n/2·ln S.
+fn logarithmic_mean(one: f64, other: f64) -> f64 {
+    let ratio = one / other;
+    // Closer to one the difference of logarithms is lost in rounding; the mean is then that of any kind.
+    if (ratio - 1.0).abs() < 1e-6 {
+        0.5 * (one + other)
+    } else {
+        (one - other) / ratio.ln()
     }
 }
 
@@ -126,15 +165,43 @@ pub fn unit(residuals: &[Vec<f64>]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::gain;
+    use super::{Errors, Gain};
+
+    fn errors(size: f64) -> Errors {
+        Errors {
+            pieces: [4.0, 5.0, 6.0].map(|error| size * error).to_vec(),
+            known: 0.0,
+            unit: 0.1,
+        }
+    }
 
     #[test]
-    fn effects_that_do_the_same_are_no_certain_gain_over_each_other() {
-        let errors = [4.0, 5.0, 6.0, 0.0];
-        let nearly = errors.map(|error| error * (1.0 - 1e-9));
-        let half = errors.map(|error| 0.5 * error);
-        assert!(!gain(&errors, &errors, 1.0, 1).is_certain());
-        assert!(!gain(&errors, &nearly, 1.0, 1).is_certain());
-        assert!(gain(&errors, &half, 1.0, 1).is_certain());
+    fn effects_that_do_the_same_have_even_odds() {
+        let same = errors(1.0).gain_over(&errors(1.0));
+        assert!(same.odds(0.0).abs() < 1e-12 && !same.is_sure());
+        assert!(errors(0.5).gain_over(&errors(1.0)).is_sure());
+    }
+
+    #[test]
+    fn a_model_that_halves_the_noise_gains_half_a_logarithm_of_two_for_each_reading() {
+        let left = |size: f64| Errors::of(&vec![vec![size, -size]; 50], 0.0);
+        let gain = left(1.0).gain_over(&left(2f64.sqrt()));
+        assert!((gain.value - 50.0 * 2f64.ln()).abs() < 1e-9, "{gain:?}");
+    }
+
+    #[test]
+    fn odds_are_those_of_the_gain_as_far_as_it_is_known() {
+        let known = Gain {
+            value: 9.0,
+            error: 0.0,
+        };
+        assert_eq!(known.odds(-4.0), 5.0);
+        // Mean of 1/(1 + exp(−g)) over a normal g of mean 5 and deviation 10, by Simpson's rule: 0.6887.
+        let vague = Gain {
+            error: 10.0,
+            ..known
+        };
+        let probability = 1.0 / (1.0 + (-vague.odds(-4.0)).exp());
+        assert!((probability - 0.6887).abs() < 0.01, "{probability}");
     }
 }

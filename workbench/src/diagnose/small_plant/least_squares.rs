@@ -289,6 +289,10 @@ pub fn intervals(problem: &dyn Problem, fit: &Fit, scales: &Scales) -> Vec<Inter
     let count = pieces.len() as f64;
     // Fewer pieces than numbers say nothing about the spread between them.
     let correction = count / (count - size as f64).max(1.0);
+    let is_told: Vec<bool> = normal.diagonal().iter().map(|own| *own > 0.0).collect();
+    for (j, _) in is_told.iter().enumerate().filter(|(_, is_told)| !**is_told) {
+        normal[(j, j)] = 1.0;
+    }
     let Some(inverse) = normal.try_inverse() else {
         return Vec::new();
     };
@@ -298,6 +302,7 @@ pub fn intervals(problem: &dyn Problem, fit: &Fit, scales: &Scales) -> Vec<Inter
         .places
         .iter()
         .enumerate()
+        .filter(|(j, _)| is_told[*j])
         .map(|(j, &(term, number, _, _))| {
             let half = 1.96 * covariance[(j, j)].max(0.0).sqrt();
             let end = |shift: f64| {

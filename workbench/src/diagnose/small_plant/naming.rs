@@ -1,82 +1,113 @@
-//! Naming: every effect of the catalogue is tried on top of the model, the best that chance does not give is kept, and so on.
+//! Naming: sets of effects on top of the analyst's model compete by what they explain of records that were left out.
 
 use rayon::prelude::*;
 
 use super::equation::uses;
-use super::evidence::{Gain, gain, left_out_errors, unit};
+use super::evidence::Errors;
 use super::least_squares::{Fit, fit, intervals};
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
 use super::term::{Entry, Formula};
+use inference::policy::{LN_ONE_OF_MANY, sure_odds};
+use inference::sets::{EffectSet, Moves, explore, is_same, keep, probabilities};
 use stickslip::body::Kind;
 use stickslip::body::coordinate::TIME;
+use stickslip::parameter::Range;
 
-/// Most effects that are named one after the other.
+/// Most effects in a set.
 pub const MOST_EFFECTS: usize = 8;
 /// Steps of a first look at each start, and of fits that are carried to the end.
 const FIRST_LOOK: usize = 8;
 const TO_THE_END: usize = 40;
-/// Gain in ln likelihood below which no effect is named, however certain its sign.
-pub const LEAST_GAIN: f64 = 10.0;
-/// Candidates that are tried in pairs where none is enough alone.
-const PAIRED: usize = 4;
-/// Share of the best gain above which another candidate can pass for it.
-const RIVAL: f64 = 0.5;
+/// Sets of one effect more that are tried with all further effects.
+const RIVALS: usize = 3;
 
-/// A candidate that was tried.
+/// A set of effects, fitted.
 #[derive(Debug, Clone)]
-pub struct Tried {
-    /// The effect, or two of them.
+pub struct Candidate {
+    /// The effects in the order in which they were added.
     pub entries: Vec<&'static Entry>,
-    /// The model with it.
+    /// Their names.
+    pub names: Vec<&'static str>,
+    /// The model with them.
     pub fit: Fit,
-    /// Squared errors on what was left out, piece by piece.
-    pub errors: Vec<f64>,
-    /// Gain over the model without it.
-    pub gain: Gain,
+    /// Its errors on what was left out.
+    pub errors: Errors,
+    /// Gain in ln likelihood over the analyst's refitted model.
+    evidence: f64,
+    /// Effects of which the records do not need, or do not tell, a number.
+    unneeded: Vec<&'static str>,
 }
 
-impl Tried {
-    /// Gain less a little for each free number: of two that explain the same, the one with fewer numbers is the better.
-    fn worth(&self) -> f64 {
-        self.gain.value - 0.1 * self.numbers() as f64
+impl EffectSet for Candidate {
+    fn least_lead() -> f64 {
+        sure_odds()
     }
 
-    fn numbers(&self) -> usize {
-        self.fit.model.free().len()
+    fn effects(&self) -> &[&'static str] {
+        &self.names
     }
-}
 
-/// One effect that was kept, with what came of it.
-#[derive(Debug, Clone)]
-pub struct Kept {
-    /// The effect.
-    pub entry: &'static Entry,
-    /// Gain when it was added.
-    pub gain: Gain,
-    /// Names whose shortfall behind it was not certain.
-    pub rivals: Vec<&'static str>,
+    fn is_answer(&self) -> bool {
+        self.unneeded.is_empty()
+    }
+
+    fn evidence(&self) -> f64 {
+        self.evidence
+    }
+
+    fn odds(&self) -> f64 {
+        self.evidence + LN_ONE_OF_MANY * self.names.len() as f64
+    }
+
+    fn odds_over(&self, other: &Self) -> f64 {
+        let more = self.names.len() as f64 - other.names.len() as f64;
+        self.errors
+            .gain_over(&other.errors)
+            .odds(LN_ONE_OF_MANY * more)
+    }
 }
 
 /// What naming came to.
 #[derive(Debug, Clone)]
 pub struct Naming {
     /// The analyst's model with its numbers refitted.
-    pub base: Fit,
-    /// Effects that were kept, in the order in which they were named.
-    pub kept: Vec<Kept>,
-    /// Every candidate of the first round, best first.
-    pub ranking: Vec<Tried>,
-    /// The amended model.
-    pub amended: Fit,
+    pub base: Candidate,
+    /// Every set that was fitted, the best first.
+    pub sets: Vec<Candidate>,
+    /// Their posterior probabilities.
+    pub probabilities: Vec<f64>,
 }
 
 impl Naming {
-    /// The effects that were kept.
+    /// The best set.
     #[must_use]
-    pub fn names(&self) -> Vec<&'static str> {
-        self.kept.iter().map(|kept| kept.entry.name).collect()
+    pub fn best(&self) -> &Candidate {
+        self.sets.first().unwrap_or(&self.base)
+    }
+
+    /// Probability that this effect is missing, whatever else is missing beside it.
+    #[must_use]
+    pub fn probability_of(&self, effect: &str) -> f64 {
+        let weighed = self.sets.iter().zip(&self.probabilities);
+        weighed
+            .filter(|(set, _)| set.names.contains(&effect))
+            .map(|(_, probability)| probability)
+            .sum()
+    }
+
+    /// The best set without one of its effects, if it was fitted.
+    #[must_use]
+    pub fn without(&self, effect: &str) -> Option<&Candidate> {
+        let rest: Vec<&str> = self
+            .best()
+            .names
+            .iter()
+            .copied()
+            .filter(|own| *own != effect)
+            .collect();
+        self.sets.iter().find(|set| is_same(&set.names, &rest))
     }
 }
 
@@ -119,7 +150,7 @@ pub fn fit_with(
     fit(problem, &model, scales, None, TO_THE_END)
 }
 
-/// Names what `model` lacks, trying `candidates`, until so many are named or none is missing.
+/// Names what `model` lacks, among `candidates` and of them at most so many.
 pub fn name(
     problem: &dyn Problem,
     model: &Model,
@@ -128,158 +159,31 @@ pub fn name(
     progress: &mut dyn FnMut(&str),
 ) -> Naming {
     progress("nominal parameters");
-    let base = fit_base(problem, model, scales);
-    let mut current = base.clone();
-    let mut ranking: Option<Vec<Tried>> = None;
-    let mut kept: Vec<Kept> = Vec::new();
-    while kept.len() < most {
-        let on_top = kept
-            .last()
-            .map(|kept| format!(", on top of {}", kept.entry.name));
-        progress(&format!(
-            "candidates, round {}{}",
-            kept.len() + 1,
-            on_top.unwrap_or_default()
-        ));
-        let before = left_out_errors(problem, &current, scales);
-        let round = Round {
+    let fit = fit_base(problem, model, scales);
+    let base = Candidate {
+        entries: Vec::new(),
+        names: Vec::new(),
+        errors: Errors::left_out(problem, &fit, scales),
+        fit,
+        evidence: 0.0,
+        unneeded: Vec::new(),
+    };
+    let mut sets = vec![base.clone()];
+    let mut moves = Pieces {
+        ground: Ground {
             problem,
             scales,
-            unit: unit(&current.residuals),
-            before: &before,
-        };
-        let open: Vec<&'static Entry> = candidates
-            .iter()
-            .copied()
-            .filter(|entry| !current.model.has(entry.name))
-            .collect();
-        let single: Vec<Vec<&'static Entry>> = open.iter().map(|entry| vec![*entry]).collect();
-        let tried = round.try_all(&current.model, &single, open.len());
-        let mut accepted = accepted(&tried);
-        if accepted.is_none() {
-            // Two effects can hide each other: each alone makes other records worse, both explain them.
-            progress(&format!("pairs of candidates, round {}", kept.len() + 1));
-            let pairs = pairs(&tried);
-            let together = round.try_all(&current.model, &pairs, open.len() + pairs.len());
-            accepted = self::accepted(&together);
-        } else if let Some(plainer) = accepted
-            .as_ref()
-            .and_then(|best| round.plainer_pair(&current.model, best, &tried, &open))
-        {
-            accepted = Some(plainer);
-        }
-        let rivals = match &accepted {
-            Some(best) if best.entries.len() == 1 => round.rivals(best, &tried),
-            _ => Vec::new(),
-        };
-        ranking.get_or_insert(tried);
-        let Some(best) = accepted else { break };
-        for entry in &best.entries {
-            kept.push(Kept {
-                entry,
-                gain: best.gain,
-                rivals: rivals.clone(),
-            });
-        }
-        current = best.fit;
-    }
-    progress("effects that the others make superfluous, and rivals");
-    drop_unsized(problem, scales, &mut current, &mut kept);
-    drop_superfluous(problem, scales, &mut current, &mut kept);
-    keep_true_rivals(problem, scales, candidates, &current, &mut kept);
+            base: &base,
+        },
+        candidates,
+        most,
+        progress,
+    };
+    explore(&mut moves, &mut sets);
     Naming {
+        probabilities: probabilities(&sets),
+        sets,
         base,
-        kept,
-        ranking: ranking.unwrap_or_default(),
-        amended: current,
-    }
-}
-
-/// Takes away, one by one, the effects whose size has zero in its 95 % interval beside the others: together they draw a curve that none
-/// of them has alone, and no one of them can be named for it.
-fn drop_unsized(problem: &dyn Problem, scales: &Scales, current: &mut Fit, kept: &mut Vec<Kept>) {
-    while kept.len() > 1 {
-        let known = intervals(problem, current, scales);
-        let Model { kind, path, .. } = current.model;
-        let certainty = |kept: &Kept| {
-            let terms = current.model.terms();
-            let at = terms.iter().position(|term| term.entry == kept.entry)?;
-            let origins = kept.entry.origins(kind, path, scales);
-            let decisive = origins.iter().enumerate().filter_map(|(number, origin)| {
-                let distance = (terms[at].values[number] - (*origin)?).abs();
-                let mut known = known.iter();
-                let own = known.find(|own| (own.term, own.number) == (at, number));
-                Some(own.map_or(0.0, |own| distance / own.half_width))
-            });
-            decisive.reduce(f64::max)
-        };
-        if known.is_empty() {
-            return;
-        }
-        let uncertain = kept
-            .iter()
-            .enumerate()
-            .filter_map(|(at, one)| Some((at, certainty(one)?)));
-        let Some((at, share)) = uncertain.min_by(|a, b| a.1.total_cmp(&b.1)) else {
-            return;
-        };
-        if share > 1.0 {
-            return;
-        }
-        *current = fit_base(problem, &current.model.without(kept[at].entry.name), scales);
-        kept.remove(at);
-    }
-}
-
-/// Takes away effects that those named later make superfluous.
-fn drop_superfluous(
-    problem: &dyn Problem,
-    scales: &Scales,
-    current: &mut Fit,
-    kept: &mut Vec<Kept>,
-) {
-    let mut at = 0;
-    while kept.len() > 1 && at < kept.len() {
-        let rest = fit_base(problem, &current.model.without(kept[at].entry.name), scales);
-        let without = left_out_errors(problem, &rest, scales);
-        let with = left_out_errors(problem, current, scales);
-        let gain = gain(&without, &with, unit(&current.residuals), kept.len());
-        if gain.value > LEAST_GAIN && gain.sure > 0.0 {
-            at += 1;
-        } else {
-            *current = rest;
-            kept.remove(at);
-        }
-    }
-}
-
-/// Leaves those rivals that could stand in for the effect in the final model: what was named itself later on was a companion,
-/// and what those named later stand in for is none any more.
-fn keep_true_rivals(
-    problem: &dyn Problem,
-    scales: &Scales,
-    candidates: &[&'static Entry],
-    last: &Fit,
-    kept: &mut [Kept],
-) {
-    let names: Vec<&str> = kept.iter().map(|kept| kept.entry.name).collect();
-    if kept.iter().all(|kept| kept.rivals.is_empty()) {
-        return;
-    }
-    let errors = left_out_errors(problem, last, scales);
-    let unit = unit(&last.residuals);
-    for kept in kept {
-        let rest = last.model.without(kept.entry.name);
-        kept.rivals.retain(|rival| {
-            let mut candidates = candidates.iter();
-            let entry = candidates.find(|entry| entry.name == *rival && !names.contains(rival));
-            let Some(entry) = entry else {
-                return false;
-            };
-            let other = fit_with(problem, &rest, entry, scales);
-            let shortfall = gain(&left_out_errors(problem, &other, scales), &errors, unit, 1);
-            shortfall.value < LEAST_GAIN && !shortfall.is_certain()
-        });
     }
 }
 
@@ -292,99 +196,150 @@ pub fn shows(entry: &Entry, kind: Kind, records: usize) -> bool {
     !by_time || !kind.runs_alone() || records > 1
 }
 
-/// What a round's candidates are compared with.
-struct Round<'a> {
+/// What sets of effects are fitted to.
+#[derive(Clone, Copy)]
+struct Ground<'a> {
     problem: &'a dyn Problem,
     scales: &'a Scales,
-    /// The same for all, so that gains compare as errors do.
-    unit: f64,
-    before: &'a [f64],
+    base: &'a Candidate,
 }
 
-impl Round<'_> {
-    /// Every set of effects on top of a model, best first.
-    fn try_all(&self, model: &Model, sets: &[Vec<&'static Entry>], looks: usize) -> Vec<Tried> {
-        let mut tried: Vec<Tried> = sets
-            .par_iter()
-            .map(|entries| {
-                let fitted = entries.iter().fold(None, |fitted: Option<Fit>, &entry| {
-                    let model = fitted.as_ref().map_or(model, |fit| &fit.model);
-                    Some(fit_with(self.problem, model, entry, self.scales))
-                });
-                let fitted = fitted.unwrap_or_else(|| fit_base(self.problem, model, self.scales));
-                let errors = left_out_errors(self.problem, &fitted, self.scales);
-                Tried {
-                    entries: entries.clone(),
-                    gain: gain(self.before, &errors, self.unit, looks),
-                    fit: fitted,
-                    errors,
-                }
-            })
-            .collect();
-        tried.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
-        tried
-    }
-
-    /// Two effects that explain more than the best one or as much, with no more numbers: one of many numbers can pass for a sum of
-    /// plain ones.
-    fn plainer_pair(
-        &self,
-        model: &Model,
-        best: &Tried,
-        tried: &[Tried],
-        open: &[&'static Entry],
-    ) -> Option<Tried> {
-        let numbers = |entries: &[&'static Entry]| -> usize {
-            entries.iter().map(|entry| entry.parameters.len()).sum()
-        };
-        let most = numbers(&best.entries);
-        let first = tried
-            .iter()
-            .find(|t| numbers(&t.entries) < most && t.gain.value > RIVAL * best.gain.value)?;
-        let pairs: Vec<Vec<&'static Entry>> = open
-            .iter()
-            .filter(|entry| !best.entries.contains(entry) && !first.entries.contains(entry))
-            .map(|entry| [&first.entries[..], &[*entry]].concat())
-            .filter(|pair| numbers(pair) <= most)
-            .collect();
-        let together = self.try_all(model, &pairs, open.len() + pairs.len());
-        accepted(&together).filter(|pair| pair.worth() > best.worth())
-    }
-
-    /// Names whose shortfall behind the best is not certain.
-    fn rivals(&self, best: &Tried, tried: &[Tried]) -> Vec<&'static str> {
-        tried
-            .iter()
-            .filter(|t| t.entries != best.entries && t.gain.value > RIVAL * best.gain.value)
-            // More numbers that gain nothing are the best itself in disguise.
-            .filter(|t| t.numbers() <= best.numbers() || t.gain.value > best.gain.value + 1.0)
-            .filter(|t| !gain(&t.errors, &best.errors, self.unit, 1).is_certain())
-            .flat_map(|t| t.entries.iter().map(|entry| entry.name))
-            .collect()
-    }
-}
-
-fn accepted(tried: &[Tried]) -> Option<Tried> {
-    tried
-        .iter()
-        .find(|best| best.gain.value > LEAST_GAIN && best.gain.sure > 0.0)
-        .cloned()
-}
-
-/// Pairs of the candidates that fit best alone.
-fn pairs(tried: &[Tried]) -> Vec<Vec<&'static Entry>> {
-    let mut by_loss: Vec<&Tried> = tried.iter().collect();
-    by_loss.sort_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
-    by_loss.truncate(PAIRED);
-    let names: Vec<&'static Entry> = by_loss
-        .iter()
-        .flat_map(|t| t.entries.iter().copied())
-        .collect();
-    let mut pairs = Vec::new();
-    for (at, first) in names.iter().enumerate() {
-        for second in &names[at + 1..] {
-            pairs.push(vec![*first, *second]);
+impl Ground<'_> {
+    fn set(&self, entries: Vec<&'static Entry>, fit: Fit) -> Candidate {
+        let errors = Errors::left_out(self.problem, &fit, self.scales);
+        Candidate {
+            names: entries.iter().map(|entry| entry.name).collect(),
+            unneeded: unneeded(self.problem, self.scales, &fit, &entries),
+            evidence: errors.gain_over(&self.base.errors).value,
+            entries,
+            fit,
+            errors,
         }
     }
-    pairs
+}
+
+/// The moves of a small plant, whose sets are fitted to pieces of the records.
+struct Pieces<'a, 'b> {
+    ground: Ground<'a>,
+    candidates: &'a [&'static Entry],
+    most: usize,
+    progress: &'a mut (dyn FnMut(&str) + 'b),
+}
+
+impl Moves for Pieces<'_, '_> {
+    type Set = Candidate;
+
+    fn most_effects(&self) -> usize {
+        self.most
+    }
+
+    fn rivals(&self) -> usize {
+        RIVALS
+    }
+
+    fn tries_parts(&self) -> bool {
+        true
+    }
+
+    fn add(&mut self, current: &Candidate, known: &mut Vec<Candidate>) {
+        let on_top = match current.names.last() {
+            None => String::new(),
+            Some(_) => format!(", on top of {}", current.names.join(" and ")),
+        };
+        (self.progress)(&format!("candidates{on_top}"));
+        let open: Vec<&'static Entry> = self
+            .candidates
+            .iter()
+            .copied()
+            .filter(|entry| !current.names.contains(&entry.name))
+            .filter(|entry| {
+                let larger = [&current.names[..], &[entry.name]].concat();
+                !known.iter().any(|set| is_same(&set.names, &larger))
+            })
+            .collect();
+        let ground = self.ground;
+        let tried: Vec<Candidate> = open
+            .par_iter()
+            .map(|entry| {
+                let fit = fit_with(ground.problem, &current.fit.model, entry, ground.scales);
+                ground.set([&current.entries[..], &[*entry]].concat(), fit)
+            })
+            .collect();
+        for set in tried.into_iter().filter(|set| set.errors.are_finite()) {
+            keep(known, set);
+        }
+    }
+
+    fn remove(
+        &mut self,
+        current: &Candidate,
+        left_out: &'static str,
+        known: &mut Vec<Candidate>,
+    ) -> Candidate {
+        let rest = current.entries.iter().copied();
+        let rest: Vec<&'static Entry> = rest.filter(|entry| entry.name != left_out).collect();
+        let names: Vec<&str> = rest.iter().map(|entry| entry.name).collect();
+        if let Some(fewer) = known.iter().find(|set| is_same(&set.names, &names)) {
+            return fewer.clone();
+        }
+        (self.progress)(&format!("without {left_out}"));
+        let model = current.fit.model.without(left_out);
+        let Ground {
+            problem, scales, ..
+        } = self.ground;
+        let fewer = self.ground.set(rest, fit_base(problem, &model, scales));
+        if fewer.errors.are_finite() {
+            keep(known, fewer.clone());
+        }
+        fewer
+    }
+
+    /// Takes from sets that explain more the effects that are not needed there: together they draw a curve that none of them has alone.
+    fn revise(&mut self, current: &Candidate, known: &mut Vec<Candidate>) {
+        let open = |set: &&Candidate| !set.is_answer() && set.odds_over(current) > 0.0;
+        for set in known.iter().filter(open).cloned().collect::<Vec<_>>() {
+            for name in &set.unneeded {
+                self.remove(&set, name, known);
+            }
+        }
+    }
+}
+
+/// The effects whose size has zero in its 95 % interval, and those with a scale that has: over a scale of any size nothing changes, so
+/// that a plainer effect explains as much.
+fn unneeded(
+    problem: &dyn Problem,
+    scales: &Scales,
+    fit: &Fit,
+    entries: &[&'static Entry],
+) -> Vec<&'static str> {
+    let known = intervals(problem, fit, scales);
+    let Model { kind, path, .. } = fit.model;
+    let terms = fit.model.terms();
+    let is_needed = |entry: &'static Entry| {
+        let at = terms.iter().position(|term| term.entry == entry)?;
+        let is_told = |number: usize, from: f64| {
+            let own = known
+                .iter()
+                .find(|own| (own.term, own.number) == (at, number));
+            own.is_some_and(|own| own.half_width < (terms[at].values[number] - from).abs())
+        };
+        let free = fit.model.free().into_iter();
+        let mut scales_of =
+            free.filter(|(term, _, own)| *term == at && own.range == Range::Positive);
+        let origins = entry.origins(kind, path, scales);
+        let mut sizes = origins
+            .iter()
+            .enumerate()
+            .filter_map(|(number, origin)| Some(is_told(number, (*origin)?)));
+        let has_size = match sizes.next() {
+            Some(first) => first || sizes.any(|is_told| is_told),
+            None => true,
+        };
+        Some(has_size && scales_of.all(|(_, number, _)| is_told(number, 0.0)))
+    };
+    let names = entries
+        .iter()
+        .filter(|entry| is_needed(entry) != Some(true));
+    names.map(|entry| entry.name).collect()
 }

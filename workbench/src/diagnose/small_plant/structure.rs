@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::balance::{Balance, Compared, MOST_FOLDS};
-use super::evidence::{gain, unit};
+use super::evidence::Errors;
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
@@ -125,8 +125,8 @@ pub struct Left {
     pub share: f64,
     /// Which of an FMU's ports it is at.
     pub port: usize,
-    /// Squared errors beside the function, piece by piece, on what it was not fitted to; last those against what was known before.
-    pub errors: Vec<f64>,
+    /// Errors beside the function, on what it was not fitted to.
+    pub errors: Errors,
 }
 
 /// Structure of what a model leaves over every coordinate, at each of an FMU's `ports` for itself where it has several, strongest first.
@@ -150,7 +150,6 @@ pub fn structures(balance: &Balance, model: &Model, scales: &Scales, ports: &[&s
 fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
     let compared = balance.compared(model);
     let residuals = balance.residuals(model);
-    let unit = unit(&residuals);
     let lengths = balance.piece_lengths();
     let fold_of: Vec<(usize, usize)> = lengths
         .iter()
@@ -158,14 +157,9 @@ fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
         // Pieces that follow each other are in different folds: a function of time is not learned from other times.
         .flat_map(|(piece, &length)| vec![(piece, piece % MOST_FOLDS); length])
         .collect();
-    let mut before: Vec<f64> = residuals
-        .iter()
-        .map(|piece| piece.iter().map(|r| r * r).sum())
-        .collect();
-    let total: f64 = before.iter().sum();
-    let pieces = before.len();
-    let known = [balance.prior(model).iter().map(|r| r * r).sum::<f64>()];
-    before.extend(&known);
+    let known = balance.prior(model).iter().map(|r| r * r).sum();
+    let before = Errors::of(&residuals, known);
+    let total: f64 = before.pieces.iter().sum();
     let equation = match model.kind {
         Kind::Drive => "drive",
         Kind::Pendulum => "swing",
@@ -183,19 +177,18 @@ fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
                 .map(|c| (coordinate.of)(c, scales))
                 .collect();
             let bins = bins(&values, coordinate.bins)?;
-            let mut after = left_out(&compared, &bins, &fold_of, pieces);
-            let gain = gain(&before, &after, unit, COORDINATES.len());
-            let share = 1.0 - after.iter().sum::<f64>() / total;
-            after.extend(&known);
+            let after = Errors::of(&left_out(&compared, &bins, &fold_of, &lengths), known);
+            let gain = after.gain_over(&before);
+            let share = 1.0 - after.pieces.iter().sum::<f64>() / total;
             Some(Left {
                 located: Located {
                     coordinate: coordinate.name.to_owned(),
                     equation: equation.to_owned(),
                     band: None,
                     gain: gain.value,
-                    interval95: Some(gain.interval95),
-                    significance: Some(gain.significance()),
-                    significant: gain.sure > 0.0,
+                    interval95: Some(gain.interval95()),
+                    significance: Some(gain.value / gain.error).filter(|own| own.is_finite()),
+                    significant: gain.is_sure(),
                 },
                 share,
                 port: 0,
@@ -225,13 +218,13 @@ fn bins(values: &[f64], count: usize) -> Option<Vec<usize>> {
     )
 }
 
-/// Squared errors piece by piece after subtracting the means of the bins over the other folds.
+/// Residuals piece by piece after subtracting the means of the bins over the other folds.
 fn left_out(
     compared: &[Compared],
     bins: &[usize],
     fold_of: &[(usize, usize)],
-    pieces: usize,
-) -> Vec<f64> {
+    lengths: &[usize],
+) -> Vec<Vec<f64>> {
     let folds = fold_of.iter().map(|(_, fold)| fold + 1).max().unwrap_or(0);
     let count = bins.iter().max().map_or(0, |last| last + 1);
     let mut sums = vec![vec![(0.0, 0_usize); count]; folds];
@@ -252,9 +245,9 @@ fn left_out(
     let means: Vec<Vec<f64>> = (0..folds)
         .map(|fold| (0..count).map(|bin| mean(fold, bin)).collect())
         .collect();
-    let mut errors = vec![0.0; pieces];
+    let mut residuals: Vec<Vec<f64>> = lengths.iter().map(|own| Vec::with_capacity(*own)).collect();
     for ((moment, &bin), &(piece, fold)) in compared.iter().zip(bins).zip(fold_of) {
-        errors[piece] += (moment.measured - moment.model - means[fold][bin]).powi(2);
+        residuals[piece].push(moment.measured - moment.model - means[fold][bin]);
     }
-    errors
+    residuals
 }
