@@ -1,6 +1,6 @@
 //! Sets of effects compete, whatever evidence they are fitted to: the moves from one to another, their weights and the verdict.
 
-use crate::policy::NAMED;
+use crate::policy::{NAMED, RIVAL};
 
 /// Share of what a set gains that a part of it must gain by itself for other effects to be tried beside it.
 const CONSIDERABLE: f64 = 0.1;
@@ -165,6 +165,13 @@ pub fn probabilities<S: EffectSet>(sets: &[S]) -> Vec<f64> {
     let weights: Vec<f64> = sets.iter().enumerate().map(weight).collect();
     let all: f64 = weights.iter().sum();
     weights.iter().map(|weight| weight / all).collect()
+}
+
+/// Whether a set is worth telling beside the best: it is probable, and more than the best with something added.
+#[must_use]
+pub fn is_told(effects: &[&str], probability: f64, best: &[&str]) -> bool {
+    let is_larger = effects.len() > best.len() && best.iter().all(|own| effects.contains(own));
+    probability > RIVAL && !is_larger
 }
 
 /// Sum of differences, and its standard error by their scatter.

@@ -3,9 +3,9 @@
 use inference::diagnosis::{Diagnosis, Rival, Verdict, diagnose};
 use inference::fit::Fit;
 use inference::hypothesis::Estimate;
-use inference::policy::RIVAL;
 use inference::problem::Problem;
 use inference::search::{Candidate, Objection, fit_effects};
+use inference::sets::is_told;
 use inference::structure::structures;
 
 use super::amend::{AmendError, FittedRig, NOT_APPLICABLE, found_effects, refitted};
@@ -72,14 +72,8 @@ fn described(what: &str) -> String {
 
 /// The sets that are worth telling, the best first.
 fn told(found: &Diagnosis) -> impl Iterator<Item = &Rival> {
-    found
-        .ranking
-        .iter()
-        .filter(|rival| rival.probability > RIVAL)
-        .filter(|rival| {
-            let beside = |name| rival.effects.contains(name);
-            rival.effects == found.effects || !found.effects.iter().all(beside)
-        })
+    let is_worth = |rival: &&Rival| is_told(&rival.effects, rival.probability, &found.effects);
+    found.ranking.iter().filter(is_worth)
 }
 
 /// A set's effects as a ranking has them.

@@ -12,13 +12,14 @@ use super::showing::{balance, final_intervals, polished};
 use super::structure::structures;
 use crate::diagnose::finding::{Finding, FoundEffect, ParameterValue, Ranked, VerdictName};
 use crate::diagnose::naming::joined;
-use inference::policy::{RIVAL, SURELY};
-use inference::sets::{EffectSet as _, Verdict};
+use inference::policy::SURELY;
+use inference::sets::{EffectSet as _, Verdict, is_told};
 use stickslip::body::{Dimension, Kind};
 use stickslip::parameter::Provenance;
 
 /// Share of what is left that a free function of one coordinate may explain before something counts as missing still: most of it.
 const STRUCTURED: f64 = 0.5;
+
 /// The finding of what naming came to.
 #[must_use]
 pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
@@ -39,11 +40,7 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
     let weighed = || naming.sets.iter().zip(&naming.probabilities);
     if verdict == Verdict::Ambiguous {
         found.finding.alternatives = weighed()
-            .filter(|(set, probability)| {
-                let is_larger = set.names.len() > best.names.len();
-                **probability > RIVAL
-                    && !(is_larger && best.names.iter().all(|own| set.names.contains(own)))
-            })
+            .filter(|(set, probability)| is_told(&set.names, **probability, &best.names))
             .map(|(set, _)| joined(&set.names))
             .collect();
     }

@@ -114,7 +114,7 @@ pub fn screen(case: &str, found: &SmallFinding) -> String {
     }
     text.push_str(&candidates(&finding.ranking));
     if !found.small_plant.gains.is_empty() {
-        text.push_str("\n  named, each on top of those before\n");
+        text.push_str("\n  gain over the same set without\n");
     }
     for named in &found.small_plant.gains {
         text.push_str(&gain_line(named));

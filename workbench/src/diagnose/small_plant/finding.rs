@@ -27,7 +27,7 @@ pub struct Course {
     pub unit: String,
     /// Share of what is left that a free function of one coordinate explains, on what it was not fitted to.
     pub share_left: f64,
-    /// The effects that were named, in that order, each with its gain over the model before it.
+    /// The effects of the best set, each with the set's gain over what is left without it.
     pub gains: Vec<Ranked>,
     /// The analyst's model with its numbers refitted, then the model after each effect; empty before the stage `show`.
     pub steps: Vec<Step>,

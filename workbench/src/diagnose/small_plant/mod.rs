@@ -3,8 +3,8 @@
 //!
 //! Their motion is measured, so that a model is judged by the force it needs for that motion (drive, contact) or by the swing
 //! it predicts (pendulum). A [`model::Model`] is a base and effects, each a term of one equation; a [`problem::Problem`] gives
-//! its residuals; [`least_squares`] fits, [`evidence`] judges on what was left out, [`naming`] names one effect after the
-//! other. The commands are those of the rig: [`command`].
+//! its residuals; [`least_squares`] fits, [`evidence`] judges on what was left out, and [`naming`] lets sets of effects compete
+//! by the moves and odds of the rig's diagnosis (`inference::sets`). The commands are those of the rig: [`command`].
 
 pub mod amend;
 pub mod balance;
