@@ -4,6 +4,7 @@
 //! into windows from whose measured start the model runs ([`data`], [`fit`]); a set of effects is a [`hypothesis`]; sets are
 //! compared by their log evidence ([`search`]).
 
+pub mod body;
 pub mod bristle_start;
 mod certainty;
 pub mod check;

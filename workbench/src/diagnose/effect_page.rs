@@ -13,10 +13,10 @@ use stickslip::plant::effect_infos;
 use super::amend::law_of;
 use super::case::check_effect;
 use super::catalogue::{CATALOGUE, Entry};
-use super::small_plant::catalogue as small_plant;
-use super::small_plant::term::Entry as Term;
 use crate::cli::Outcome;
 use crate::files::atomic;
+use inference::body::catalogue as small_plant;
+use inference::body::term::Entry as Term;
 use stickslip::body::Path;
 
 /// Arguments of `effects`.

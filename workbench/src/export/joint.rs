@@ -8,9 +8,9 @@ use stickslip::parameter::Provenance;
 use super::error::ExportError;
 use super::law::{Law, Left};
 use super::line::{Line, Speeds, closest, rounded};
-use crate::diagnose::small_plant::model::{Model, Term};
 use crate::diagnose::small_plant::model_file::dotted;
 use crate::diagnose::small_plant::model_reader;
+use inference::body::model::{Model, Term};
 
 /// What the model file does not have.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,9 +6,9 @@ use stickslip::body::coordinate::{
     ACCELERATION, DIRECTION, FRICTION, LOAD, MOTOR, POSITION, PREDICTED, TIME, VELOCITY, WEIGHT,
 };
 
-use crate::diagnose::small_plant::equation::uses;
-use crate::diagnose::small_plant::model::{Model, Term};
-use crate::diagnose::small_plant::term::{Entry, Formula, Role, Sample};
+use inference::body::equation::uses;
+use inference::body::model::{Model, Term};
+use inference::body::term::{Entry, Formula, Role, Sample};
 
 /// Coordinates that friction over the speed does not have.
 const OTHERS: [(usize, &str); 7] = [

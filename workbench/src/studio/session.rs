@@ -21,11 +21,10 @@ use crate::diagnose::material::Material;
 use crate::diagnose::rig_columns::{Heading, RigColumns};
 use crate::diagnose::rig_variable::{unit_names, variables};
 use crate::diagnose::small_plant::case::supposed;
-use crate::diagnose::small_plant::catalogue::possible;
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::term::Entry;
 use crate::diagnose::supposed as own_effects;
 use crate::files::atomic;
+use inference::body::term::Entry;
 use stickslip::body::is_small_plant;
 
 /// Most readings of records that are remembered.
@@ -230,7 +229,7 @@ impl Session {
             let model = SmallModel::parse(&text, &name).ok();
             let all = model.map(|own| {
                 let tried = supposed(&self.base.material, &own).unwrap_or_default();
-                possible(&own, &tried)
+                own.possible(&tried)
             });
             let tell = |entry: &&Entry| told_of(entry.name, entry.description, entry.signature);
             return all.iter().flatten().map(tell).collect();

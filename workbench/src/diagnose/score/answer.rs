@@ -7,7 +7,7 @@ use anyhow::Context;
 use serde::Deserialize;
 
 use crate::diagnose::catalogue::CATALOGUE;
-use crate::diagnose::small_plant::catalogue as small_plant;
+use inference::body::catalogue as small_plant;
 
 /// What was hidden in one case.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -3,15 +3,17 @@
 use std::collections::BTreeMap;
 
 use super::case::SmallCase;
-use super::evidence::Errors;
 use super::finding::{Course, SmallFinding};
-use super::least_squares::Fit;
 use super::model_file::{SmallModel, dotted};
-use super::naming::{Candidate, Naming};
 use super::showing::{balance, final_intervals, polished};
-use super::structure::structures;
-use crate::diagnose::finding::{Finding, FoundEffect, ParameterValue, Ranked, VerdictName};
+use crate::diagnose::finding::{
+    Finding, FoundEffect, Located, ParameterValue, Ranked, VerdictName,
+};
 use crate::diagnose::naming::joined;
+use inference::body::evidence::Errors;
+use inference::body::least_squares::Fit;
+use inference::body::naming::{Candidate, Naming};
+use inference::body::structure::{Left, structures};
 use inference::policy::SURELY;
 use inference::sets::{EffectSet as _, Verdict, is_told};
 use stickslip::body::{Dimension, Kind};
@@ -76,11 +78,11 @@ fn ranked(name: String, set: &Candidate, other: &Candidate) -> Ranked {
 pub fn described(case: &SmallCase, base: &Fit, last: &Fit) -> SmallFinding {
     let balance = balance(case);
     let ports = case.model.port_names();
-    let before = structures(&balance, &base.model, &case.scales, &ports);
-    let after = structures(&balance, &last.model, &case.scales, &ports);
+    let before = structures(&balance, &base.model, &case.scales, ports.len());
+    let after = structures(&balance, &last.model, &case.scales, ports.len());
     let share_left = after
         .iter()
-        .filter(|left| left.located.significant)
+        .filter(|left| left.gain.is_sure())
         .map(|left| left.share)
         .fold(0.0, f64::max);
     let explained = Errors::left_out(&balance, last, &case.scales);
@@ -101,8 +103,8 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit) -> SmallFinding {
             experiment: None,
             ranking: Vec::new(),
             check: None,
-            structure: before.into_iter().map(|left| left.located).collect(),
-            structure_left: after.into_iter().map(|left| left.located).collect(),
+            structure: before.iter().map(|left| located(case, left)).collect(),
+            structure_left: after.iter().map(|left| located(case, left)).collect(),
             learned: None,
             parameters,
             gap: None,
@@ -123,6 +125,29 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit) -> SmallFinding {
             gains: Vec::new(),
             steps: Vec::new(),
         },
+    }
+}
+
+/// Structure as a finding has it, at the equation or the port where it is.
+fn located(case: &SmallCase, left: &Left) -> Located {
+    let equation = match case.kind() {
+        Kind::Drive => "drive",
+        Kind::Pendulum => "swing",
+        Kind::Contact => "contact",
+        Kind::Balance => "balance",
+        Kind::Fmu => "port",
+        Kind::Joint => "joint",
+    };
+    let ports = case.model.port_names();
+    let gain = left.gain;
+    Located {
+        coordinate: left.coordinate.to_owned(),
+        equation: (*ports.get(left.port).unwrap_or(&equation)).to_owned(),
+        band: None,
+        gain: gain.value,
+        interval95: Some(gain.interval95()),
+        significance: Some(gain.value / gain.error).filter(|own| own.is_finite()),
+        significant: gain.is_sure(),
     }
 }
 

@@ -4,23 +4,23 @@ use std::path::{Path as FilePath, PathBuf};
 
 use thiserror::Error;
 
-use super::catalogue::{CATALOGUE, possible};
-use super::effect_file::{effect, of_user};
-use super::evidence::unit;
 use super::fmu::missing::{Chased, MissingError, Recorded};
 use super::fmu::places::at_each;
 use super::fmu::plant::Plant;
-use super::model::Model;
 use super::model_file::{SmallModel, SmallModelError};
-use super::motion::{Motion, Scales, root_mean_square};
-use super::problem::Problem;
 use super::reading::read;
 use super::showing::balance;
-use super::start;
-use super::term::Entry;
 use crate::diagnose::material::Material;
 use crate::diagnose::record_part::Part;
 use crate::files::record::RecordError;
+use inference::body::catalogue::CATALOGUE;
+use inference::body::effect_file::{effect, of_user};
+use inference::body::evidence::unit;
+use inference::body::model::Model;
+use inference::body::motion::{Motion, Scales, root_mean_square};
+use inference::body::problem::Problem;
+use inference::body::start;
+use inference::body::term::Entry;
 use stickslip::body::{FileError, Kind, read_effects};
 
 /// Least length of all records to learn from together, in periods of the motion.
@@ -462,7 +462,7 @@ impl SmallCase {
     /// The effects that the plant can have and its model has not.
     #[must_use]
     pub fn possible(&self) -> Vec<&'static Entry> {
-        possible(&self.model, &self.supposed)
+        self.model.possible(&self.supposed)
     }
 
     /// Those of them that were not taken out of the catalogue.

@@ -15,19 +15,21 @@ use super::case::{NO_FMU, SmallCase, load};
 use super::console::screen;
 use super::finding::SmallFinding;
 use super::fmu::wrapper::{self, WrapperError};
-use super::model::Model;
 use super::model_file::SmallModel;
-use super::naming::{MOST_EFFECTS, Naming, fit_base, fit_with, name as name_effects, shows};
 use super::report::page;
 use super::showing::{balance, models_on_the_way, step};
-use super::swing::Swing;
-use super::term::Entry;
 use crate::cli::Outcome;
 use crate::diagnose::amend::{FILE as AMENDED, build};
 use crate::diagnose::finding::VerdictName;
 use crate::diagnose::material::Material;
 use crate::diagnose::report::FILE as REPORT;
 use crate::files::atomic;
+use inference::body::model::Model;
+use inference::body::naming::{
+    MOST_EFFECTS, Naming, fit_base, fit_with, name as name_effects, shows,
+};
+use inference::body::swing::Swing;
+use inference::body::term::Entry;
 use inference::sets::is_same;
 use stickslip::body::Kind;
 

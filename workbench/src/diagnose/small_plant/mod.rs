@@ -1,41 +1,18 @@
 //! Small plants: a drive under a known force, a pendulum that swings freely, a contact whose torque and motion are measured, a
 //! balance of measured and predicted force, anybody's FMU.
 //!
-//! Their motion is measured, so that a model is judged by the force it needs for that motion (drive, contact) or by the swing
-//! it predicts (pendulum). A [`model::Model`] is a base and effects, each a term of one equation; a [`problem::Problem`] gives
-//! its residuals; [`least_squares`] fits, [`evidence`] judges on what was left out, and [`naming`] lets sets of effects compete
-//! by the moves and odds of the rig's diagnosis (`inference::sets`). The commands are those of the rig: [`command`].
+//! Files, commands and screens of what `inference::body` finds. The commands are those of the rig: [`command`].
 
 pub mod amend;
-pub mod balance;
-#[cfg(test)]
-mod balance_tests;
-pub mod base;
 pub mod case;
-pub mod catalogue;
 pub mod columns;
 pub mod command;
 pub mod console;
-pub mod eccentricity;
-pub mod effect_file;
-pub mod equation;
-pub mod evidence;
-pub mod filter;
 pub mod finding;
 pub mod fmu;
-pub mod least_squares;
-pub mod model;
 pub mod model_file;
 pub mod model_reader;
 mod model_text;
-pub mod motion;
-pub mod naming;
-pub mod problem;
 pub mod reading;
 pub mod report;
 pub mod showing;
-mod start;
-pub mod structure;
-pub mod swing;
-pub mod term;
-pub mod unit;

@@ -2,16 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
 use stickslip::body::{FileError, Reader};
 use stickslip::parameter::Provenance;
 use thiserror::Error;
 
 use super::columns::{ColumnError, Columns};
 use super::fmu::ports::Ports;
-use super::model::Model;
 use super::model_reader::read;
-use super::term::Entry;
+use inference::body::catalogue::CATALOGUE;
+use inference::body::model::Model;
+use inference::body::motion::Measurement;
+use inference::body::term::Entry;
 
 /// What is wrong with a small plant's model file.
 #[derive(Debug, Error)]
@@ -27,24 +28,6 @@ pub enum SmallModelError {
         /// What is wrong.
         source: ColumnError,
     },
-}
-
-/// How force and motion are made comparable.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Measurement {
-    /// Cut-off of the low-pass that the motion goes through before it is differentiated [Hz].
-    pub motion_low_pass: f64,
-    /// Cut-off of the low-pass that the measured and the model's force go through alike [Hz]; none where it is left out.
-    pub compare_low_pass: Option<f64>,
-    /// Rate at which they are compared [Hz]; of a pendulum, rate of its simulation.
-    pub compare_rate: f64,
-    /// Time at both ends of a record that is left aside, because filters are not settled there [s].
-    #[serde(default)]
-    pub edge: f64,
-    /// Speed below which readings say nothing about the direction of motion [m/s or rad/s]: friction keeps that before.
-    #[serde(default)]
-    pub standstill_speed: f64,
 }
 
 /// A small plant's model file.
@@ -78,6 +61,23 @@ impl SmallModel {
     pub fn port_names(&self) -> Vec<&str> {
         let ports = self.ports.iter().flat_map(|ports| &ports.ports);
         ports.filter_map(|port| port.name.as_deref()).collect()
+    }
+
+    /// The effects of the catalogue and of `supposed` that the plant can have and its model has not.
+    #[must_use]
+    pub fn possible(&self, supposed: &[&'static Entry]) -> Vec<&'static Entry> {
+        let model = &self.model;
+        let has_load = self.columns.load.is_some();
+        let shared = match self.port_names().len() {
+            0 | 1 => &CATALOGUE[..],
+            // Each effect stands among those of the ports, once for each.
+            _ => &[],
+        };
+        let own = self.of_ports.iter().chain(supposed).copied();
+        let all = shared.iter().chain(own);
+        all.filter(|entry| entry.fits(model.kind, model.path, has_load))
+            .filter(|entry| !model.has(entry.name))
+            .collect()
     }
 }
 

@@ -7,15 +7,16 @@ use serde::Deserialize;
 use stickslip::body::{Dimension, FileError, Kind, OWN_EFFECTS, Parameter, Plant, Reader};
 use stickslip::parameter::{Provenance, Range};
 
-use super::base::{PARAMETERS, base, of_fmu};
-use super::catalogue::{CATALOGUE, entry};
 use super::columns::Columns;
-use super::effect_file;
 use super::fmu::places::effects;
 use super::fmu::ports::{Input, Port, Ports};
-use super::model::Model;
-use super::model_file::{Measurement, SmallModel, SmallModelError, dotted};
-use super::term::{Entry, MOST_OFFSETS, MOST_PARAMETERS};
+use super::model_file::{SmallModel, SmallModelError, dotted};
+use inference::body::base::{PARAMETERS, base, of_fmu};
+use inference::body::catalogue::{CATALOGUE, entry};
+use inference::body::effect_file;
+use inference::body::model::Model;
+use inference::body::motion::Measurement;
+use inference::body::term::{Entry, MOST_OFFSETS, MOST_PARAMETERS};
 
 /// Parameters of an FMU that may change with time.
 #[derive(Default, Deserialize)]

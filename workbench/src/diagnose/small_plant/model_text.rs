@@ -2,11 +2,12 @@
 
 use std::fmt::Write as _;
 
-use super::effect_file::section;
 use super::fmu::ports::key;
-use super::model::Term;
-use super::model_file::{Measurement, SmallModel, dotted};
-use super::term::Entry;
+use super::model_file::{SmallModel, dotted};
+use inference::body::effect_file::section;
+use inference::body::model::Term;
+use inference::body::motion::Measurement;
+use inference::body::term::Entry;
 
 impl SmallModel {
     /// The file's text, every number with unit, origin and interval; `origins` replaces or adds to what is known.

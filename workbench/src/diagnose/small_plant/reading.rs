@@ -6,9 +6,9 @@ use super::case::SmallCaseError;
 use super::columns::{Column, Quantity};
 use super::fmu::missing::Recorded;
 use super::model_file::SmallModel;
-use super::motion::{Measured, Motion};
 use crate::diagnose::record_part::Part;
 use crate::files::record::{Dialect, Missing, Record, Table};
+use inference::body::motion::{Measured, Motion};
 use stickslip::body::Kind;
 
 /// Fewest samples of a record.

@@ -2,18 +2,18 @@
 
 use std::fmt::Write as _;
 
-use super::balance::Compared;
 use super::case::SmallCase;
 use super::console::{answer, size};
 use super::finding::SmallFinding;
-use super::model::Model;
 use super::showing::{Course, balance, held_out_course};
-use super::structure::COORDINATES;
 use crate::diagnose::console::{number, readable};
 use crate::diagnose::report::figures::ranking;
 use crate::diagnose::report::markup::{escape, figure};
 use crate::diagnose::report::page::document;
 use crate::plot::{Axis, Chart, Figure, Marker, Panel, Style};
+use inference::body::balance::Compared;
+use inference::body::model::Model;
+use inference::body::structure::COORDINATES;
 use stickslip::body::{Dimension, Path};
 
 /// Bins of a residual over a coordinate.

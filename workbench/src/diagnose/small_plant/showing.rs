@@ -4,16 +4,16 @@
 //! records learned from; where the held-out record goes on there, the run goes on through it, so that every error of phase
 //! and decay adds up.
 
-use super::balance::Balance;
 use super::case::SmallCase;
 use super::finding::{ErrorSize, Step};
-use super::least_squares::{Fit, Interval, fit, intervals};
-use super::model::Model;
-use super::motion::Motion;
-use super::naming::{fit_base, fit_with};
-use super::problem::Problem;
-use super::swing::Swing;
-use super::term::Entry;
+use inference::body::balance::Balance;
+use inference::body::least_squares::{Fit, Interval, fit, intervals};
+use inference::body::model::Model;
+use inference::body::motion::Motion;
+use inference::body::naming::{fit_base, fit_with};
+use inference::body::problem::Problem;
+use inference::body::swing::Swing;
+use inference::body::term::Entry;
 use stickslip::body::Kind;
 
 /// Periods of the shortest stretches that a pendulum's free run is fitted to.

@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::plant::{Plant, PlantError};
 use super::pursuit::{Pursuit, substeps};
 use super::worker::{self, WorkerError};
-use crate::diagnose::small_plant::motion::{Motion, Pursuit as Known, root_mean_square};
+use inference::body::motion::{Motion, Pursuit as Known, root_mean_square};
 
 /// A record with the columns that drive the FMU.
 #[derive(Debug, Clone)]

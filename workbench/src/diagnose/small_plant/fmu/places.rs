@@ -5,8 +5,8 @@ use stickslip::body::{Dimension, Kind, Parameter, Path, parameter};
 use stickslip::parameter::Range;
 
 use super::ports::{Input, Port, Ports};
-use crate::diagnose::small_plant::catalogue::CATALOGUE;
-use crate::diagnose::small_plant::term::{Entry, Formula, Place, Role};
+use inference::body::catalogue::CATALOGUE;
+use inference::body::term::{Entry, Formula, Place, Role};
 
 /// An effect of an FMU without anything that only some have.
 const PLAIN: Entry = Entry {

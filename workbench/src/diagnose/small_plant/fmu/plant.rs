@@ -10,10 +10,10 @@ use super::pursuit::{Driven, Pursued, PursuedPort};
 use crate::component::{
     ComponentError, Description, Fmu, Kind as ValueKind, Role, Variable, closest,
 };
-use crate::diagnose::small_plant::base::PARAMETERS;
 use crate::diagnose::small_plant::columns::{Column, Quantity};
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::motion::Motion;
+use inference::body::base::PARAMETERS;
+use inference::body::motion::Motion;
 use stickslip::body::{Dimension, Parameter, Path, plain};
 
 /// An FMU and what its ports are.

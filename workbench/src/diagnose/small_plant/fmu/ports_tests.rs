@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::term::Sample;
+use inference::body::term::Sample;
 
 const TWO: &str = r#"[plant]
 kind = "fmu"

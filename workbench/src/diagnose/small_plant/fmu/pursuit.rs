@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::ports::Between;
 use crate::component::{Component, ComponentError};
-use crate::diagnose::small_plant::filter::LowPass;
+use inference::body::filter::LowPass;
 
 /// Bandwidth of the controller over the cut-off below which its force is looked at: there |1 − T| is 1/9 after one pass.
 const BANDWIDTH: f64 = 3.0;

@@ -8,8 +8,8 @@ use clap::Args;
 use super::ports::key;
 use crate::cli::Outcome;
 use crate::component::{Description, Fmu, Kind, Role, Variable};
-use crate::diagnose::small_plant::term::MOST_PARAMETERS;
 use crate::files::atomic;
+use inference::body::term::MOST_PARAMETERS;
 
 /// Arguments of `ports`.
 #[derive(Debug, Args)]

@@ -1,9 +1,9 @@
 //! Where the effects act that an FMU around an FMU can have: at one port, by equations.
 
 use super::wrapper::WrapperError;
-use crate::diagnose::small_plant::base::PARAMETERS;
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::term::{Formula, Place, Role};
+use inference::body::base::PARAMETERS;
+use inference::body::term::{Formula, Place, Role};
 
 /// The port at which all effects of a model act.
 pub(super) fn place_of(model: &SmallModel, file: &str) -> Result<usize, WrapperError> {

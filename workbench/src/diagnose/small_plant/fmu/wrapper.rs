@@ -15,10 +15,10 @@ use super::wrapped_place::place_of;
 use super::wrapper_description::{Abilities, Added, Changes, abilities, changed};
 use crate::component::{Archive, ArchiveError, ComponentError, Description, FmiVersion};
 use crate::diagnose::report::markup::escape;
-use crate::diagnose::small_plant::base::PARAMETERS;
-use crate::diagnose::small_plant::model::Term;
 use crate::diagnose::small_plant::model_file::SmallModel;
-use crate::diagnose::small_plant::term::{Formula, Role};
+use inference::body::base::PARAMETERS;
+use inference::body::model::Term;
+use inference::body::term::{Formula, Role};
 use stickslip::body::Kind;
 
 /// Beginning of the names that the original does not have.

@@ -1,6 +1,6 @@
 //! From where the fit of an effect that an equation describes starts: as on the rigs, from what its numbers do.
 
-use inference::numbers::{self, Known, Number, PHASES, USUAL, places, recognise};
+use crate::numbers::{self, Known, Number, PHASES, USUAL, places, recognise};
 
 use super::motion::Scales;
 use super::term::{Entry, Sample};

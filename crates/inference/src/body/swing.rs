@@ -11,8 +11,7 @@ use operations::{Coupling, Moment};
 
 use super::balance::Balance;
 use super::model::Model;
-use super::model_file::Measurement;
-use super::motion::{Motion, Scales};
+use super::motion::{Measurement, Motion, Scales};
 use super::problem::Problem;
 use super::term::Sample;
 use stickslip::body::Kind;

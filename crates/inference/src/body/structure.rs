@@ -3,12 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::balance::{Balance, Compared, MOST_FOLDS};
-use super::evidence::Errors;
+use super::evidence::{Errors, Gain};
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
-use crate::diagnose::finding::Located;
-use stickslip::body::{Kind, Path};
+use stickslip::body::Path;
 
 /// Values of the free function over a coordinate, at quantiles.
 const BINS: usize = 16;
@@ -119,8 +118,10 @@ fn phase_angle(compared: &Compared, scales: &Scales) -> f64 {
 /// Structure that is left, with the share of the residuals' square that it explains.
 #[derive(Debug, Clone)]
 pub struct Left {
-    /// Coordinate, gain and significance.
-    pub located: Located,
+    /// The coordinate.
+    pub coordinate: &'static str,
+    /// What a free function of it gains.
+    pub gain: Gain,
     /// Share of the residuals' square, on what the function was not fitted to.
     pub share: f64,
     /// Which of an FMU's ports it is at.
@@ -129,21 +130,18 @@ pub struct Left {
     pub errors: Errors,
 }
 
-/// Structure of what a model leaves over every coordinate, at each of an FMU's `ports` for itself where it has several, strongest first.
+/// Structure of what a model leaves over every coordinate, at each of an FMU's ports for itself where it has several, strongest first.
 #[must_use]
-pub fn structures(balance: &Balance, model: &Model, scales: &Scales, ports: &[&str]) -> Vec<Left> {
-    if ports.len() < 2 {
+pub fn structures(balance: &Balance, model: &Model, scales: &Scales, ports: usize) -> Vec<Left> {
+    if ports < 2 {
         return at_one(balance, model, scales);
     }
     let mut all = Vec::new();
-    for (at, port) in ports.iter().enumerate() {
-        for mut left in at_one(&balance.at_port(at), model, scales) {
-            left.port = at;
-            (*port).clone_into(&mut left.located.equation);
-            all.push(left);
-        }
+    for port in 0..ports {
+        let there = at_one(&balance.at_port(port), model, scales);
+        all.extend(there.into_iter().map(|left| Left { port, ..left }));
     }
-    all.sort_by(|a, b| b.located.gain.total_cmp(&a.located.gain));
+    all.sort_by(|a, b| b.gain.value.total_cmp(&a.gain.value));
     all
 }
 
@@ -160,14 +158,6 @@ fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
     let known = balance.prior(model).iter().map(|r| r * r).sum();
     let before = Errors::of(&residuals, known);
     let total: f64 = before.pieces.iter().sum();
-    let equation = match model.kind {
-        Kind::Drive => "drive",
-        Kind::Pendulum => "swing",
-        Kind::Contact => "contact",
-        Kind::Balance => "balance",
-        Kind::Fmu => "port",
-        Kind::Joint => "joint",
-    };
     let mut all: Vec<Left> = COORDINATES
         .iter()
         .filter(|own| own.is_along(model.path))
@@ -181,22 +171,15 @@ fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
             let gain = after.gain_over(&before);
             let share = 1.0 - after.pieces.iter().sum::<f64>() / total;
             Some(Left {
-                located: Located {
-                    coordinate: coordinate.name.to_owned(),
-                    equation: equation.to_owned(),
-                    band: None,
-                    gain: gain.value,
-                    interval95: Some(gain.interval95()),
-                    significance: Some(gain.value / gain.error).filter(|own| own.is_finite()),
-                    significant: gain.is_sure(),
-                },
+                coordinate: coordinate.name,
+                gain,
                 share,
                 port: 0,
                 errors: after,
             })
         })
         .collect();
-    all.sort_by(|a, b| b.located.gain.total_cmp(&a.located.gain));
+    all.sort_by(|a, b| b.gain.value.total_cmp(&a.gain.value));
     all
 }
 

@@ -5,8 +5,7 @@
 use super::balance::Balance;
 use super::base::of_fmu;
 use super::model::Model;
-use super::model_file::Measurement;
-use super::motion::{Measured, Motion, Pursuit, Scales};
+use super::motion::{Measured, Measurement, Motion, Pursuit, Scales};
 use super::problem::Problem;
 use stickslip::body::{Dimension, Kind, Parameter, Path};
 use stickslip::parameter::Range;

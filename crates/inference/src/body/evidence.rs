@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use super::least_squares::{Fit, Start, fit_from};
 use super::motion::Scales;
 use super::problem::Problem;
-use inference::policy::{LN_ONE_OF_MANY, SURELY, sure_odds};
-use inference::sets::sum_and_error;
+use crate::policy::{LN_ONE_OF_MANY, SURELY, sure_odds};
+use crate::sets::sum_and_error;
 
 /// Steps of a refit that leaves a fold out; it starts from the fit to everything.
 const REFIT_STEPS: usize = 3;

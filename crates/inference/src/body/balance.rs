@@ -2,8 +2,7 @@
 
 use super::filter::LowPass;
 use super::model::{AT_ONCE, Model};
-use super::model_file::Measurement;
-use super::motion::{Motion, Scales};
+use super::motion::{Measurement, Motion, Scales};
 use super::problem::Problem;
 use super::term::Sample;
 use stickslip::body::{Dimension, Kind};

@@ -7,7 +7,6 @@ use stickslip::body::{Dimension, Kind, Path, parameter};
 use stickslip::parameter::Range;
 
 use super::effect_file;
-use super::model_file::SmallModel;
 use super::term::{Entry, Formula, Place, Role, Sample};
 
 use Dimension::{Acceleration, Angle, Delay, Force, Inertia, Ratio, Speed};
@@ -161,23 +160,6 @@ const CODED: &[Entry] = &[
         place: Place::Everywhere,
     },
 ];
-
-/// The effects of the catalogue and of `supposed` that a model's plant can have and the model has not.
-#[must_use]
-pub fn possible(plant: &SmallModel, supposed: &[&'static Entry]) -> Vec<&'static Entry> {
-    let model = &plant.model;
-    let has_load = plant.columns.load.is_some();
-    let shared = match plant.port_names().len() {
-        0 | 1 => &CATALOGUE[..],
-        // Each effect stands among those of the ports, once for each.
-        _ => &[],
-    };
-    let own = plant.of_ports.iter().chain(supposed).copied();
-    let all = shared.iter().chain(own);
-    all.filter(|entry| entry.fits(model.kind, model.path, has_load))
-        .filter(|entry| !model.has(entry.name))
-        .collect()
-}
 
 /// The effect of this name.
 #[must_use]

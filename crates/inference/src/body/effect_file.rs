@@ -99,7 +99,7 @@ pub fn section(term: &Term, kind: Kind, path: Path, more: &dyn Fn(&str) -> Strin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::small_plant::catalogue::CATALOGUE;
+    use crate::body::catalogue::CATALOGUE;
 
     #[test]
     fn every_kind_that_an_effect_names_can_have_it() {

@@ -2,7 +2,27 @@
 
 use std::f64::consts::TAU;
 
+use serde::Deserialize;
+
 use super::filter::LowPass;
+
+/// How force and motion are made comparable.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measurement {
+    /// Cut-off of the low-pass that the motion goes through before it is differentiated [Hz].
+    pub motion_low_pass: f64,
+    /// Cut-off of the low-pass that the measured and the model's force go through alike [Hz]; none where it is left out.
+    pub compare_low_pass: Option<f64>,
+    /// Rate at which they are compared [Hz]; of a pendulum, rate of its simulation.
+    pub compare_rate: f64,
+    /// Time at both ends of a record that is left aside, because filters are not settled there [s].
+    #[serde(default)]
+    pub edge: f64,
+    /// Speed below which readings say nothing about the direction of motion [m/s or rad/s]: friction keeps that before.
+    #[serde(default)]
+    pub standstill_speed: f64,
+}
 
 /// Order of the low-pass before differentiating.
 const ORDER: usize = 4;
