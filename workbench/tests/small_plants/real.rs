@@ -75,7 +75,11 @@ fn the_drill_string_lacks_acceleration_hysteresis() {
     let Some((found, text)) = measured("drill-string.toml", records[0], records[1]) else {
         return;
     };
-    assert_eq!(names(&found)[0], "acceleration_hysteresis", "{text}");
+    assert_eq!(names(&found), ["acceleration_hysteresis"], "{text}");
+    assert!(
+        text.contains("acceleration hysteresis + load exponent would be likelier"),
+        "{text}"
+    );
     assert!(
         found.small_plant.steps.last().unwrap().held_out.rmse <= 0.228,
         "{text}"

@@ -6,6 +6,7 @@ use super::case::SmallCase;
 use super::finding::{Course, SmallFinding};
 use super::model_file::{SmallModel, dotted};
 use super::showing::{balance, final_intervals, polished};
+use crate::diagnose::console::{number, readable};
 use crate::diagnose::finding::{
     Finding, FoundEffect, Located, ParameterValue, Ranked, VerdictName,
 };
@@ -14,7 +15,7 @@ use inference::body::evidence::Errors;
 use inference::body::least_squares::Fit;
 use inference::body::naming::{Candidate, Naming};
 use inference::body::structure::{Left, structures};
-use inference::policy::SURELY;
+use inference::policy::{NAMED, SURELY};
 use inference::sets::{EffectSet as _, Verdict, is_told};
 use stickslip::body::{Dimension, Kind};
 use stickslip::parameter::Provenance;
@@ -45,6 +46,16 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
             .filter(|(set, probability)| is_told(&set.names, **probability, &best.names))
             .map(|(set, _)| joined(&set.names))
             .collect();
+    }
+    let likeliest = weighed().max_by(|a, b| a.1.total_cmp(b.1));
+    if let Some((set, probability)) = likeliest
+        && set.names.len() > best.names.len()
+    {
+        found.finding.notes.push(format!(
+            "{} would be likelier, with a probability of {}; an effect more is named if it is surer than {NAMED}",
+            readable(&joined(&set.names)),
+            number(*probability)
+        ));
     }
     found.finding.ranking = weighed()
         .map(|(set, probability)| Ranked {
