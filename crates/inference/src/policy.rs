@@ -1,11 +1,11 @@
 //! Every number that decides: significance levels, prior odds and numerical tolerances. No threshold lives anywhere else.
 
-/// Log prior odds that something given is missing, whether the catalogue has it or not: half of all models lack something, and there
-/// are about twenty-five ways to lack it, which makes 1 : 50.
-pub const LN_ONE_OF_MANY: f64 = -4.0;
-/// The same where starts of windows have to be found: one that was not may speak for an effect by [`MOST_TOLD`] and must not decide
-/// alone.
-pub const LN_PRIOR_ODDS: f64 = LN_ONE_OF_MANY - MOST_TOLD;
+/// Log prior odds that something given is missing, whether the catalogue has it or not.
+///
+/// Half of all models lack something, and there are about twenty-five ways to lack it: 1 : 50, or -3.9. A window whose start was not
+/// found, or a stretch of a record in which something else happened, may speak for it by [`MOST_TOLD`] and must not decide alone:
+/// another -3.
+pub const LN_PRIOR_ODDS: f64 = -7.0;
 /// Replicas of the records that tell what a right model leaves of them, and what an effect gains that is not missing.
 pub const REPLICAS: u64 = 9;
 /// Probability with which replicas may show as much as the records do, below which it is no chance.

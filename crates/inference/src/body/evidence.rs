@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::least_squares::{Fit, Start, fit_from};
 use super::motion::Scales;
 use super::problem::Problem;
-use crate::policy::{LN_ONE_OF_MANY, SURELY, sure_odds};
+use crate::policy::{LN_PRIOR_ODDS, SURELY, sure_odds};
 use crate::sets::sum_and_error;
 
 /// Steps of a refit that leaves a fold out; it starts from the fit to everything.
@@ -113,7 +113,7 @@ impl Gain {
     /// Whether it speaks for one more effect, with the probability that names are given.
     #[must_use]
     pub fn is_sure(&self) -> bool {
-        self.odds(LN_ONE_OF_MANY) > sure_odds()
+        self.odds(LN_PRIOR_ODDS) > sure_odds()
     }
 
     /// Interval that covers it with 95 % probability.

@@ -9,7 +9,7 @@ use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
 use super::term::{Entry, Formula};
-use crate::policy::{LN_ONE_OF_MANY, sure_odds};
+use crate::policy::{LN_PRIOR_ODDS, sure_odds};
 use crate::sets::{EffectSet, Moves, explore, is_same, keep, probabilities};
 use stickslip::body::Kind;
 use stickslip::body::coordinate::TIME;
@@ -58,14 +58,14 @@ impl EffectSet for Candidate {
     }
 
     fn odds(&self) -> f64 {
-        self.evidence + LN_ONE_OF_MANY * self.names.len() as f64
+        self.evidence + LN_PRIOR_ODDS * self.names.len() as f64
     }
 
     fn odds_over(&self, other: &Self) -> f64 {
         let more = self.names.len() as f64 - other.names.len() as f64;
         self.errors
             .gain_over(&other.errors)
-            .odds(LN_ONE_OF_MANY * more)
+            .odds(LN_PRIOR_ODDS * more)
     }
 }
 
