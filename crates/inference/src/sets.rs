@@ -167,7 +167,7 @@ pub fn probabilities<S: EffectSet>(sets: &[S]) -> Vec<f64> {
     weights.iter().map(|weight| weight / all).collect()
 }
 
-/// Whether a set is worth telling beside the best: it is probable, and more than the best with something added.
+/// Whether a set is worth telling: it is probable, and not just the best with something added.
 #[must_use]
 pub fn is_told(effects: &[&str], probability: f64, best: &[&str]) -> bool {
     let is_larger = effects.len() > best.len() && best.iter().all(|own| effects.contains(own));
@@ -211,5 +211,61 @@ impl Verdict {
             () if effects.iter().all(|probability| *probability >= NAMED) => Self::Named,
             () => Self::Ambiguous,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{EffectSet, Verdict, best_first, is_told, probabilities};
+
+    #[derive(Clone)]
+    struct Toy(Vec<&'static str>, f64, bool);
+
+    impl EffectSet for Toy {
+        fn effects(&self) -> &[&'static str] {
+            &self.0
+        }
+        fn is_answer(&self) -> bool {
+            self.2
+        }
+        fn evidence(&self) -> f64 {
+            self.1
+        }
+        fn odds(&self) -> f64 {
+            self.1
+        }
+        fn odds_over(&self, other: &Self) -> f64 {
+            self.1 - other.1
+        }
+        fn least_lead() -> f64 {
+            2.0
+        }
+    }
+
+    #[test]
+    fn an_effect_more_must_lead_by_so_much_and_be_an_answer() {
+        let mut known = vec![
+            Toy(vec![], 0.0, true),
+            Toy(vec!["drag"], 3.0, true),
+            Toy(vec!["drag", "wear"], 4.0, true),
+            Toy(vec!["law"], 9.0, false),
+        ];
+        best_first(&mut known);
+        assert_eq!(known[0].0, ["drag"]);
+        let weights = probabilities(&known);
+        let all = 1.0 + 1f64.exp() + (-3f64).exp();
+        assert!((weights[0] - 1.0 / all).abs() < 1e-12, "{weights:?}");
+        assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        // The likelier set has the best in it, so that it is no rival.
+        assert!(!is_told(&known[1].0, weights[1], &known[0].0));
+        assert!(is_told(&["law"], 0.2, &["drag"]));
+    }
+
+    #[test]
+    fn a_verdict_needs_an_explanation_and_sure_effects() {
+        assert_eq!(Verdict::of(false, &[1.0], false), Verdict::NotInCatalogue);
+        assert_eq!(Verdict::of(true, &[], true), Verdict::Parameters);
+        assert_eq!(Verdict::of(true, &[0.95, 0.5], true), Verdict::Ambiguous);
+        assert_eq!(Verdict::of(true, &[0.95, 0.9], true), Verdict::Named);
     }
 }

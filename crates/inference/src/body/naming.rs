@@ -15,12 +15,12 @@ use stickslip::body::Kind;
 use stickslip::body::coordinate::TIME;
 use stickslip::parameter::Range;
 
-/// Most effects in a set.
+/// Most effects in a set. It bounds the search and decides nothing: EMPS, the richest of the real measurements, comes to seven.
 pub const MOST_EFFECTS: usize = 8;
 /// Steps of a first look at each start, and of fits that are carried to the end.
 const FIRST_LOOK: usize = 8;
 const TO_THE_END: usize = 40;
-/// Sets of one effect more that are tried with all further effects.
+/// Sets of one effect more that are tried with all further effects: more cost time alone.
 const RIVALS: usize = 3;
 
 /// A set of effects, fitted.
@@ -36,7 +36,7 @@ pub struct Candidate {
     pub errors: Errors,
     /// Gain in ln likelihood over the analyst's refitted model.
     evidence: f64,
-    /// Effects of which the records do not need, or do not tell, a number.
+    /// Effects whose size may be zero, or one of whose scales may be any ([`unneeded`]).
     unneeded: Vec<&'static str>,
 }
 
