@@ -13,7 +13,7 @@ use crate::kinds::in_turn;
 use crate::random::{Purpose, Stream};
 
 /// What can be hidden: names of effects on small plants, `outside_…` where those have none.
-pub const KINDS: [&str; 16] = [
+pub const KINDS: [&str; 20] = [
     "none",
     "coulomb_friction",
     "viscous_drag",
@@ -30,6 +30,10 @@ pub const KINDS: [&str; 16] = [
     "friction_asymmetry",
     "outside_ripple",
     "outside_jump",
+    "external_load_friction",
+    "external_load_friction_square",
+    "external_load_wobble",
+    "external_load_share",
 ];
 
 /// One case.
@@ -72,6 +76,8 @@ struct Joint {
     hidden: f64,
     phase: f64,
     scale: f64,
+    /// Torque from outside at most, where a sensor reads it; zero where there is none.
+    load: f64,
 }
 
 /// One moment of the motion.
@@ -80,10 +86,11 @@ struct Moment {
     angle: f64,
     rate: f64,
     acceleration: f64,
+    load: f64,
 }
 
 impl Joint {
-    fn draw(kind: &str, stream: &mut Stream) -> Self {
+    fn draw(kind: &str, seed: u64, stream: &mut Stream) -> Self {
         let frequency = stream.log_uniform(0.05, 5.0);
         let turn = TAU * frequency;
         let inertia = stream.log_uniform(1e-3, 1e3);
@@ -109,6 +116,16 @@ impl Joint {
             hidden: torque * stream.uniform(0.04, 0.15),
             phase: stream.uniform(0.0, TAU),
             scale: 1.0 + 0.02 * stream.normal(),
+            load: {
+                let mut stream = Stream::new(seed, Purpose::Instruments);
+                let is_loaded = stream.chance(0.5) || kind.starts_with("external_load");
+                torque
+                    * if is_loaded {
+                        stream.log_uniform(0.3, 3.0)
+                    } else {
+                        0.0
+                    }
+            },
         }
     }
 
@@ -121,6 +138,7 @@ impl Joint {
             + self.weight * (at.angle + self.rest).sin()
             + self.viscous * at.rate
             + self.dry * at.rate.signum()
+            + at.load
     }
 
     /// What acts beside the prediction at a share of the record's length.
@@ -131,6 +149,11 @@ impl Joint {
         let direction = at.rate.signum();
         let speed = at.rate / (TAU * self.frequency * amplitude);
         let place = at.angle / amplitude;
+        let load = if self.load > 0.0 {
+            at.load / self.load
+        } else {
+            0.0
+        };
         match kind {
             "coulomb_friction" => hidden * direction,
             "viscous_drag" => hidden * speed,
@@ -144,6 +167,12 @@ impl Joint {
             "coulomb_friction_and_friction_wear" => 2.0 * hidden * (1.0 + 0.5 * share) * direction,
             "position_friction" => hidden * place * direction,
             "friction_asymmetry" => hidden * speed.abs(),
+            "external_load_friction" => 2.0 * hidden * load.abs() * direction,
+            "external_load_friction_square" => 3.0 * hidden * load * load * direction,
+            "external_load_wobble" => {
+                3.0 * hidden * load.abs() * (at.angle - self.phase).cos() * direction
+            }
+            "external_load_share" => 2.0 * hidden * load,
             "outside_ripple" => hidden * (9.0 * at.angle).cos(),
             "outside_jump" if share > 0.4 => hidden * direction,
             _ => 0.0,
@@ -151,7 +180,13 @@ impl Joint {
     }
 
     /// A record over so many periods.
-    fn record(&self, kind: &str, periods: f64, stream: &mut Stream) -> String {
+    fn record(&self, kind: &str, periods: f64, stream: &mut Stream, inputs: &mut Stream) -> String {
+        // The load goes its own way, as that of a tool or of a person who leans on the joint.
+        let loads = [0.37, 0.83].map(|order: f64| {
+            let turn = TAU * self.frequency * order * inputs.uniform(0.8, 1.2);
+            (turn, inputs.uniform(0.0, TAU))
+        });
+        let offset = inputs.uniform(-0.5, 0.5);
         let parts: Vec<[f64; 3]> = [1.0, 1.7, 2.6]
             .into_iter()
             .map(|order: f64| {
@@ -165,7 +200,11 @@ impl Joint {
                 angle: 0.0,
                 rate: 0.0,
                 acceleration: 0.0,
+                load: self.load * offset,
             };
+            for (turn, phase) in loads {
+                at.load += 0.25 * self.load * (turn * time + phase).sin();
+            }
             for [size, turn, phase] in &parts {
                 let (sine, cosine) = (turn * time + phase).sin_cos();
                 at.angle += size * sine;
@@ -184,7 +223,9 @@ impl Joint {
         let usual_rate = TAU * self.frequency * self.amplitude;
         let kept = (-TAU * 5.0 / self.samples_per_period as f64).exp();
         let mut slow = 0.0;
-        let mut text = String::from("t,q,dq,torque,model\n");
+        let is_loaded = self.load > 0.0;
+        let mut text = String::from("t,q,dq,torque,model");
+        text.push_str(if is_loaded { ",load\n" } else { "\n" });
         for sample in 0..samples {
             let time = sample as f64 * interval;
             let (acts, read) = (motion(time), motion(time - delay));
@@ -195,10 +236,15 @@ impl Joint {
             let angle = read.angle + 2e-5 * stream.normal();
             let rate = read.rate + 1e-3 * usual_rate * stream.normal();
             let predicted = self.predicted(read);
-            let _ = writeln!(
+            let _ = write!(
                 text,
                 "{time:.9e},{angle:.9e},{rate:.9e},{torque:.9e},{predicted:.9e}"
             );
+            if is_loaded {
+                let load = acts.load + 2e-3 * self.load * inputs.normal();
+                let _ = write!(text, ",{load:.9e}");
+            }
+            text.push('\n');
         }
         text
     }
@@ -216,7 +262,7 @@ position = {{ column = "q", unit = "rad" }}
 velocity = {{ column = "dq", unit = "rad/s" }}
 force = {{ column = "torque", unit = "N m" }}
 predicted = {{ column = "model", unit = "N m" }}
-
+{}
 [measurement]
 motion_low_pass = {:e}
 compare_low_pass = {:e}
@@ -226,6 +272,10 @@ edge = {:e}
 [balance]
 scale = {{ value = 1.0, unit = "1", relative_uncertainty = 0.05 }}
 "#,
+            match self.load > 0.0 {
+                true => "load = { column = \"load\", unit = \"N m\" }\n",
+                false => "",
+            },
             (15.0 * self.frequency).min(0.4 * rate),
             10.0 * self.frequency,
             (30.0 * self.frequency).min(rate),
@@ -241,17 +291,18 @@ impl Case for BalanceCase {
 
     fn make(&self) -> Result<MadeCase, MakerError> {
         let mut stream = Stream::new(self.seed, Purpose::Recipe);
-        let joint = Joint::draw(self.kind, &mut stream);
+        let joint = Joint::draw(self.kind, self.seed, &mut stream);
         let mut files = vec![("model.toml".to_owned(), joint.model())];
         for (run, (file, low, high)) in [("run-a.csv", 20.0, 35.0), ("held-out.csv", 10.0, 20.0)]
             .into_iter()
             .enumerate()
         {
             let mut stream = Stream::new(self.seed, Purpose::Sensors(run as u64));
+            let mut inputs = Stream::new(self.seed, Purpose::Inputs(run as u64));
             let periods = stream.uniform(low, high);
             files.push((
                 file.to_owned(),
-                joint.record(self.kind, periods, &mut stream),
+                joint.record(self.kind, periods, &mut stream, &mut inputs),
             ));
         }
         Ok(MadeCase {

@@ -7,9 +7,8 @@ use crate::expression::{
 use crate::parameter::Range;
 use operations::COORDINATES;
 
-/// Coordinates of small plants beyond those of an FMU's port: normal load over its mean, predicted force, torque of a joint's motor and
-/// moment of its weight.
-const FURTHER: [&str; 4] = ["load", "predicted", "motor", "weight"];
+/// Coordinates of small plants beyond those of an FMU's port: predicted force and torque of a joint's motor.
+const FURTHER: [&str; 2] = ["predicted", "motor"];
 /// Number of all coordinates.
 pub const COUNT: usize = COORDINATES.len() + FURTHER.len();
 /// Place of the position among them.
@@ -24,14 +23,12 @@ pub const DIRECTION: usize = 3;
 pub const TIME: usize = 4;
 /// Place of the friction.
 pub const FRICTION: usize = 5;
-/// Place of the load.
+/// Place of the load: of a contact the normal load over its mean, of a joint the moment of its weight, else a measured force.
 pub const LOAD: usize = 6;
 /// Place of the predicted force.
 pub const PREDICTED: usize = 7;
 /// Place of the torque of a joint's motor.
 pub const MOTOR: usize = 8;
-/// Place of the moment of an arm's weight.
-pub const WEIGHT: usize = 9;
 
 /// What equations on a plant of this kind and path may depend on.
 #[must_use]
@@ -45,17 +42,20 @@ pub fn quantities(kind: Kind, path: Path) -> Vec<Quantity> {
         SiDimension::NONE,
         si("s"),
         force,
-        SiDimension::NONE,
-        force,
+        match kind {
+            Kind::Contact => SiDimension::NONE,
+            _ => force,
+        },
         force,
         force,
     ];
     let has = |place: usize| match place {
         // A run that is predicted has no measured acceleration.
         ACCELERATION => !kind.runs_alone(),
-        LOAD => kind == Kind::Contact,
+        LOAD => !matches!(kind, Kind::Drive | Kind::Pendulum),
         PREDICTED => kind == Kind::Balance,
-        _ => place < PREDICTED || kind == Kind::Joint,
+        MOTOR => kind == Kind::Joint,
+        _ => true,
     };
     let names = COORDINATES.iter().chain(&FURTHER).zip(dimensions);
     names

@@ -6,7 +6,7 @@
 use operations::COORDINATES;
 
 use super::coordinate::{
-    ACCELERATION, COUNT, DIRECTION, FRICTION, MOTOR, POSITION, TIME, VELOCITY, WEIGHT,
+    ACCELERATION, COUNT, DIRECTION, FRICTION, LOAD, MOTOR, POSITION, TIME, VELOCITY,
 };
 use super::plant::Term;
 use super::{Body, Effect, Kind, Port};
@@ -222,7 +222,7 @@ impl<S: Scalar> Body<S> {
             _ => S::ZERO,
         };
         values[MOTOR] = jet.motor[k];
-        values[WEIGHT] = jet.weight[k];
+        values[LOAD] = jet.weight[k];
         let mut sums = Sums {
             frictional: S::ZERO,
             other: S::ZERO,

@@ -33,6 +33,7 @@ path = "turn"
 input = "disc_port.torque"
 position = "theta"
 velocity = "theta_dot"
+load = { variable = "N2", factor = RADIUS }
 
 [inputs]
 u = { column = "u", unit = "V", between = "held" }
@@ -78,6 +79,8 @@ NAMES = {
     "bearing_friction": "coulomb_friction",
     "stiction": "stribeck",
     "load_cell_bias": "N2_offset",
+    "normal_force_wobble": "external_load_wobble",
+    "friction_wear": "external_load_wear",
     "resistance_drift": "motor_resistance_drift",
 }
 # What is around a hidden effect's name in ANSWERS.json.
@@ -89,7 +92,7 @@ def hidden(kind):
     for word in CIRCUMSTANCES:
         kind = kind.removesuffix(word)
     if kind == "wobble_and_bearing":
-        return {"normal_force_wobble", "coulomb_friction"}
+        return {"external_load_wobble", "coulomb_friction"}
     return set() if kind == "none" else {NAMES.get(kind, kind)}
 
 
@@ -101,7 +104,7 @@ def ports(model):
         if key in model[section]:
             value = float(model[section][key])
             lines.append(f'"{name}" = {{ value = {value!r}, unit = "{unit}", relative_uncertainty = {share} }}')
-    return PORTS + "\n".join(lines) + "\n"
+    return PORTS.replace("RADIUS", repr(model["contact"]["radius"])) + "\n".join(lines) + "\n"
 
 
 def exported(programs, case, folder):

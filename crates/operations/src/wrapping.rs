@@ -9,15 +9,16 @@ use super::{Fault, Operation, check};
 pub const SETTINGS_FILE: &str = "wrapper.json";
 
 /// What an equation at a port may depend on, in the order in which its operations count them: position [m or rad], velocity
-/// [m/s or rad/s], acceleration [m/s² or rad/s²], direction of motion (−1 or 1), time [s], friction of the effects before it
-/// [N or N m].
-pub const COORDINATES: [&str; 6] = [
+/// [m/s or rad/s], acceleration [m/s² or rad/s²], direction of motion (−1 or 1), time [s], friction of the effects before it and
+/// load [N or N m].
+pub const COORDINATES: [&str; 7] = [
     "position",
     "velocity",
     "acceleration",
     "direction",
     "time",
     "friction",
+    "load",
 ];
 
 /// An FMU around an FMU.
@@ -60,6 +61,9 @@ pub struct Port {
     pub position: Option<(u32, f64)>,
     /// Output of the velocity.
     pub velocity: Option<(u32, f64)>,
+    /// Variable of the load.
+    #[serde(default)]
+    pub load: Option<(u32, f64)>,
     /// Inertia that the input moves at once [kg or kg m²]; negative where a positive input pushes backward.
     pub inertia: f64,
 }
@@ -120,7 +124,7 @@ impl Settings {
             return Err(SettingsError::NoCoordinate);
         }
         let is_good = |value: f64| value.is_finite() && value != 0.0;
-        let units = [Some(port.input), port.position, port.velocity];
+        let units = [Some(port.input), port.position, port.velocity, port.load];
         if !units.iter().flatten().all(|(_, unit)| is_good(*unit)) {
             return Err(SettingsError::Number("a unit of the port"));
         }

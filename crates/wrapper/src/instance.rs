@@ -292,13 +292,13 @@ impl Instance {
             Some(status) if !is_good(status) => return Err(Refused::original(status)),
             saved => saved.is_some(),
         };
-        let mut force = self.force(from, length, begun.0);
+        let mut force = self.force(from, length, begun.0)?;
         let mut stepped = self.pushed(from, length, force, begun, can_go_back)?;
         for _ in 0..MOST_REPEATS {
             if !can_go_back || stepped.ends {
                 break;
             }
-            let better = self.force(from, length, begun.0);
+            let better = self.force(from, length, begun.0)?;
             if (better - force).abs() <= SAME * self.own.largest {
                 break;
             }
@@ -313,7 +313,12 @@ impl Instance {
     }
 
     /// The effects' force over a step from this position and velocity.
-    fn force(&mut self, from: f64, length: f64, (position, velocity): (f64, f64)) -> f64 {
+    fn force(
+        &mut self,
+        from: f64,
+        length: f64,
+        (position, velocity): (f64, f64),
+    ) -> Result<f64, Refused> {
         let moment = Moment {
             time: from - self.own.start,
             position,
@@ -321,12 +326,22 @@ impl Instance {
             acceleration: self.own.free,
             direction: velocity.signum(),
         };
+        let load = self.load()?;
         let (effects, own, steps) = (&self.settings.effects, &self.own, &mut self.steps);
         let mut coupling = Coupling {
-            against: |at: &Moment| against(effects, &own.parameters, at, steps),
+            against: |at: &Moment| against(effects, &own.parameters, at, load, steps),
             inertia: self.settings.port.inertia.abs(),
         };
-        coupling.force(&moment, length, own.free, own.force)
+        Ok(coupling.force(&moment, length, own.free, own.force))
+    }
+
+    /// The load at the port now [N or N m]; zero where none is named.
+    fn load(&self) -> Result<f64, Refused> {
+        let Some((reference, unit)) = self.settings.port.load else {
+            return Ok(0.0);
+        };
+        let read = self.original.get(reference).map_err(Refused::original)?;
+        Ok(read * unit)
     }
 
     /// Steps the original under this force, and learns from the motion that it gives which acceleration all others gave.
@@ -366,6 +381,7 @@ fn against(
     effects: &[AddedEffect],
     parameters: &[Vec<f64>],
     at: &Moment,
+    load: f64,
     steps: &mut [f64],
 ) -> f64 {
     let mut friction = 0.0;
@@ -378,6 +394,7 @@ fn against(
             at.direction,
             at.time,
             friction,
+            load,
         ];
         let own = value(&effect.operations, parameters, &coordinates, steps);
         sum += own;

@@ -3,7 +3,7 @@
 use operations::Operation;
 use stickslip::body::Kind;
 use stickslip::body::coordinate::{
-    ACCELERATION, DIRECTION, FRICTION, LOAD, MOTOR, POSITION, PREDICTED, TIME, VELOCITY, WEIGHT,
+    ACCELERATION, DIRECTION, FRICTION, LOAD, MOTOR, POSITION, PREDICTED, TIME, VELOCITY,
 };
 
 use inference::body::equation::uses;
@@ -11,14 +11,13 @@ use inference::body::model::{Model, Term};
 use inference::body::term::{Entry, Formula, Role, Sample};
 
 /// Coordinates that friction over the speed does not have.
-const OTHERS: [(usize, &str); 7] = [
+const OTHERS: [(usize, &str); 6] = [
     (POSITION, "the position"),
     (ACCELERATION, "the acceleration"),
     (TIME, "the time"),
     (LOAD, "the load"),
     (PREDICTED, "the predicted force"),
     (MOTOR, "the motor's torque"),
-    (WEIGHT, "the moment of the weight"),
 ];
 
 /// Why an effect is not in the law.
@@ -127,7 +126,7 @@ impl<'a> Law<'a> {
 /// Force of an effect where the arm is level and the motor holds it, over what `weight` is over; none where more must be known.
 fn level(term: &Term, weight: f64) -> Option<f64> {
     let operations = operations(term.entry)?;
-    let known = [VELOCITY, DIRECTION, MOTOR, WEIGHT];
+    let known = [VELOCITY, DIRECTION, MOTOR, LOAD];
     let is_known = operations.iter().all(|operation| match operation {
         Operation::Coordinate(place) => known.contains(place),
         _ => true,
@@ -135,7 +134,7 @@ fn level(term: &Term, weight: f64) -> Option<f64> {
     let sample = Sample {
         direction: 1.0,
         motor: weight,
-        weight,
+        load: weight,
         ..Sample::default()
     };
     let force = term.entry.force(&term.values, &sample, 0.0);

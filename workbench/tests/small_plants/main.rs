@@ -18,8 +18,8 @@ use workbench::diagnose::small_plant::finding::SmallFinding;
 
 use crate::common::{library, stickslip};
 use crate::records::{
-    ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, multiplied, pendulum,
-    pendulum_read, resized,
+    ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, loaded, multiplied,
+    pendulum, pendulum_read, resized,
 };
 
 struct Place {
@@ -227,6 +227,31 @@ fn what_a_joint_needs_beside_its_model_is_named() {
             &balance(torque, seed),
             &balance(torque, seed + 100),
         );
+        let (found, text) = place.diagnosed(0);
+        assert_eq!(names(&found), *expected, "{text}");
+    }
+}
+
+#[test]
+fn friction_that_depends_on_a_measured_load_is_named() {
+    let predicted = "predicted = { column = \"model\", unit = \"N m\" }";
+    assert!(BALANCE.contains(predicted));
+    let load = format!("{predicted}\nload = {{ column = \"output\", unit = \"N m\" }}");
+    let model = BALANCE.replace(predicted, &load);
+    type Hidden = fn(f64, f64, f64) -> f64;
+    let hidden: [(&[&str], Hidden); 4] = [
+        (&[], |_, _, _| 0.0),
+        (&["external_load_friction"], |_, rate, load| {
+            0.08 * load.abs() * rate.signum()
+        }),
+        (&["external_load_wobble"], |q, rate, load| {
+            0.1 * load.abs() * (q - 0.4).cos() * rate.signum()
+        }),
+        (&["external_load_share"], |_, _, load| 0.06 * load),
+    ];
+    for (at, (expected, torque)) in hidden.into_iter().enumerate() {
+        let seed = 80 + at as u64;
+        let place = Place::new(&model, &loaded(torque, seed), &loaded(torque, seed + 100));
         let (found, text) = place.diagnosed(0);
         assert_eq!(names(&found), *expected, "{text}");
     }

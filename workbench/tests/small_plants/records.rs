@@ -201,13 +201,7 @@ pub fn balance(hidden: impl Fn(f64, f64, f64, f64, f64) -> f64, seed: u64) -> St
     let mut text = String::from("t,q,torque,model\n");
     for at in 0..5000 {
         let time = f64::from(at) * 0.005;
-        let (mut q, mut rate, mut acceleration) = (0.0, 0.0, 0.0);
-        for (size, hertz) in [(0.7, 0.9), (0.4, 1.6)] {
-            let (turn, angle) = (TAU * hertz, TAU * hertz * time + phase * hertz);
-            q += size * angle.sin();
-            rate += size * turn * angle.cos();
-            acceleration -= size * turn * turn * angle.sin();
-        }
+        let [q, rate, acceleration] = joint(time, phase);
         let model = 0.3 * acceleration + 6.0 * q.sin() + 0.5 * rate;
         let torque =
             1.01 * model + hidden(q, rate, acceleration, model, time) + 0.1 * random.normal();
@@ -216,6 +210,35 @@ pub fn balance(hidden: impl Fn(f64, f64, f64, f64, f64) -> f64, seed: u64) -> St
             "{time:.3},{:.6},{torque:.5},{model:.5}",
             q + 1e-5 * random.normal()
         );
+    }
+    text
+}
+
+/// Angle, rate and acceleration of a joint.
+fn joint(time: f64, phase: f64) -> [f64; 3] {
+    let mut motion = [0.0; 3];
+    for (size, hertz) in [(0.7, 0.9), (0.4, 1.6)] {
+        let (turn, angle) = (TAU * hertz, TAU * hertz * time + phase * hertz);
+        motion[0] += size * angle.sin();
+        motion[1] += size * turn * angle.cos();
+        motion[2] -= size * turn * turn * angle.sin();
+    }
+    motion
+}
+
+/// A joint with a torque sensor at its output, whose model knows the torque there; `hidden` acts beside, from angle, rate and that torque.
+pub fn loaded(hidden: impl Fn(f64, f64, f64) -> f64, seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let phase = TAU * random.uniform();
+    let mut text = String::from("t,q,torque,model,output\n");
+    for at in 0..5000 {
+        let time = f64::from(at) * 0.005;
+        let [q, rate, acceleration] = joint(time, phase);
+        let output = 2.0 + 5.0 * (TAU * 0.23 * time + phase).sin();
+        let model = 0.3 * acceleration + output;
+        let torque = 1.01 * model + hidden(q, rate, output) + 0.1 * random.normal();
+        let read = output + 0.01 * random.normal();
+        let _ = writeln!(text, "{time:.3},{q:.6},{torque:.5},{model:.5},{read:.4}");
     }
     text
 }

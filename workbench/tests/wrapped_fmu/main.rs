@@ -170,6 +170,31 @@ fn an_effect_that_the_user_describes_acts_as_the_built_in_one() {
 }
 
 #[test]
+fn friction_under_a_load_follows_the_original_s_variable() {
+    let place = Place::new();
+    let built_in = run(&place.wrapped(PORTS), &[], 0.01, 8.0);
+    let of_load = "[external_load_friction]\ncoefficient = 0.03";
+    let loaded = PORTS
+        .replace(
+            "velocity = \"v\"\n",
+            "velocity = \"v\"\nload = { variable = \"mass\", factor = 5.0 }\n",
+        )
+        .replace("[coulomb_friction]\nforce = 0.15", of_load);
+    assert_eq!(run(&place.wrapped(&loaded), &[], 0.01, 8.0), built_in);
+    // In N, as the mass is not.
+    let (code, text) = place.build(&loaded.replace(", factor = 5.0", ""));
+    assert!(
+        code == 2 && text.contains("\"kg\"") && text.contains("N, kN"),
+        "{code} {text}"
+    );
+    let (code, text) = place.build(&PORTS.replace("[coulomb_friction]\nforce = 0.15", of_load));
+    assert!(
+        code == 2 && text.contains("external_load_friction"),
+        "{code} {text}"
+    );
+}
+
+#[test]
 fn an_effect_of_no_size_changes_no_bit() {
     let place = Place::new();
     let none = [

@@ -148,7 +148,7 @@ pub const JOINT: Entry = Entry {
     role: Role::Added,
     parameters: &body::JOINT,
     formula: Formula::Code {
-        force: |p, s, _| s.weight + p[2] * s.velocity - s.motor,
+        force: |p, s, _| s.load + p[2] * s.velocity - s.motor,
         starts: &[],
     },
     own: false,

@@ -36,7 +36,7 @@ pub fn of_user(effect: &'static Effect, kind: Kind, path: Path) -> Entry {
         confusable: effect.confusable,
         kinds: vec![kind].leak(),
         path: Some(path),
-        needs_load: effect.program.uses(LOAD),
+        needs_load: kind != Kind::Joint && effect.program.uses(LOAD),
         role: role.map_or(Role::Added, |(_, role)| role),
         parameters: effect.parameters,
         formula: Formula::Equation {

@@ -3,7 +3,6 @@
 use operations::Operation;
 use stickslip::body::coordinate::{
     ACCELERATION, COUNT, DIRECTION, FRICTION, LOAD, MOTOR, POSITION, PREDICTED, TIME, VELOCITY,
-    WEIGHT,
 };
 
 use super::term::Sample;
@@ -32,7 +31,6 @@ impl<'a, const N: usize> Moments<'a, N> {
                 (LOAD, sample.load),
                 (PREDICTED, sample.predicted),
                 (MOTOR, sample.motor),
-                (WEIGHT, sample.weight),
             ] {
                 coordinates[place][lane] = value;
             }

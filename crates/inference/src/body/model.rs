@@ -92,10 +92,10 @@ impl Model {
             && let Some(base) = self.terms.first()
         {
             loaded = samples.each_ref().map(|sample| {
-                let (motor, weight) = joint_loads(&base.values, sample);
+                let (motor, load) = joint_loads(&base.values, sample);
                 Sample {
                     motor,
-                    weight,
+                    load,
                     ..*sample
                 }
             });

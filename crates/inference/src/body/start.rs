@@ -44,7 +44,7 @@ fn recognised(entry: &Entry, kind: Kind, path: Path, scales: &Scales) -> Option<
         .collect();
     let moments: Vec<Sample> = places()
         .iter()
-        .map(|shares| moment(shares, scales))
+        .map(|shares| moment(shares, kind, scales))
         .collect();
     let values = |parameters: &[f64]| -> Vec<f64> {
         let force =
@@ -55,7 +55,7 @@ fn recognised(entry: &Entry, kind: Kind, path: Path, scales: &Scales) -> Option<
 }
 
 /// A moment of the records, from shares of 0 to 1.
-fn moment(shares: &[f64; 7], scales: &Scales) -> Sample {
+fn moment(shares: &[f64; 7], kind: Kind, scales: &Scales) -> Sample {
     let signed = |place: usize, size: f64| REACH * (2.0 * shares[place] - 1.0) * size;
     let velocity = signed(1, scales.speed);
     Sample {
@@ -64,10 +64,12 @@ fn moment(shares: &[f64; 7], scales: &Scales) -> Sample {
         position: signed(2, scales.position),
         acceleration: signed(3, scales.acceleration),
         direction: velocity.signum(),
-        load: 0.5 + shares[4],
+        load: match kind {
+            Kind::Contact => 0.5 + shares[4],
+            _ => signed(6, scales.force),
+        },
         predicted: signed(5, scales.force),
         motor: signed(5, scales.force),
-        weight: signed(6, scales.force),
         ..Sample::default()
     }
 }

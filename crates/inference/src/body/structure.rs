@@ -86,8 +86,14 @@ pub const COORDINATES: &[Coordinate] = &[
     },
     Coordinate {
         name: "load",
-        label: "load over its mean",
+        label: "load",
         of: |c, _| c.sample.load,
+        bins: BINS,
+    },
+    Coordinate {
+        name: "load_by_direction",
+        label: "load times direction of motion",
+        of: |c, _| c.sample.load * c.sample.direction,
         bins: BINS,
     },
     Coordinate {

@@ -21,7 +21,8 @@ pub struct Sample {
     pub acceleration: f64,
     /// Direction of motion: −1 or 1; at a standstill that of the motion before.
     pub direction: f64,
-    /// Normal load over its mean on the records learned from; 1 where no load is measured.
+    /// Load: of a contact the normal load over its mean on the records learned from, 1 where none is measured; of a joint the moment of
+    /// the arm's weight over the moment of inertia [rad/s²]; else what was measured [N or N m].
     pub load: f64,
     /// Force that somebody's own model predicts [N or N m]; 0 where there is none.
     pub predicted: f64,
@@ -31,8 +32,6 @@ pub struct Sample {
     pub connected: f64,
     /// Torque of the motor over the moment of inertia, friction apart [rad/s²]; of a joint.
     pub motor: f64,
-    /// Moment of the arm's weight over the moment of inertia [rad/s²]; of a joint.
-    pub weight: f64,
     /// By how much an FMU's missing force falls as each of its uncertain parameters grows [N or N m over the parameter's unit].
     pub slopes: [f64; MOST_PARAMETERS],
     /// The same times the parameters' values at which the force was found, summed [N or N m].

@@ -299,8 +299,8 @@ pub fn supposed(
             let earlier = all.iter().find(|(_, other)| other.name == entry.name);
             let taken = match earlier {
                 Some((earlier, _)) => Some(format!("{earlier} has an effect of this name; give one of them another")),
-                None if entry.needs_load && model.columns.load.is_none() => {
-                    Some("it depends on the load, and [columns] of the model has none; add a line for load".to_owned())
+                None if entry.needs_load && !model.has_load() => {
+                    Some("it depends on the load, and the model has none; add a line for load to [columns], of an FMU to [port]".to_owned())
                 }
                 None if model.model.has(entry.name) => {
                     Some("the model has an effect of this name already; give it another".to_owned())
@@ -344,7 +344,7 @@ fn relate_load(
     records: &mut [Motion],
     held_out: &mut Motion,
 ) -> Result<(), SmallCaseError> {
-    if model.columns.load.is_none() {
+    if model.model.kind != Kind::Contact || !model.has_load() {
         return Ok(());
     }
     let all: Vec<f64> = records

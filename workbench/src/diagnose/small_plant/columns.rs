@@ -44,7 +44,7 @@ pub struct Columns {
     pub velocity: Option<Column>,
     /// Force or torque: what drives a drive, what a contact opposes to its motion.
     pub force: Option<Column>,
-    /// Normal load of a contact.
+    /// Normal load of a contact, or force or torque from outside of a balance.
     pub load: Option<Column>,
     /// Force or torque that somebody's own model predicts for the measured motion.
     pub predicted: Option<Column>,
@@ -109,8 +109,10 @@ pub enum Quantity {
     Velocity,
     /// Force.
     Force,
-    /// Load.
+    /// Normal load of a contact.
     Load,
+    /// Load of a balance.
+    ExternalLoad,
     /// Predicted force.
     Predicted,
     /// Voltage.
@@ -132,7 +134,7 @@ impl Quantity {
             Self::Position => "position",
             Self::Velocity => "velocity",
             Self::Force => "force",
-            Self::Load => "load",
+            Self::Load | Self::ExternalLoad => "load",
             Self::Predicted => "predicted",
             Self::Voltage => "voltage",
             Self::Duty => "duty",
@@ -155,10 +157,10 @@ impl Quantity {
             (Self::Velocity, Path::Turn) => {
                 &[("rad/s", 1.0), ("deg/s", TAU / 360.0), ("rpm", TAU / 60.0)]
             }
-            (Self::Force | Self::Predicted, Path::Turn) => {
+            (Self::Force | Self::Predicted | Self::ExternalLoad, Path::Turn) => {
                 &[("N m", 1.0), ("mN m", 1e-3), ("kN m", 1e3)]
             }
-            (Self::Force | Self::Predicted, Path::Line) | (Self::Load, _) => {
+            (Self::Force | Self::Predicted | Self::ExternalLoad, Path::Line) | (Self::Load, _) => {
                 &[("N", 1.0), ("kN", 1e3)]
             }
         }
@@ -249,15 +251,18 @@ impl Columns {
             _ if self.predicted.is_some() && kind != Kind::Balance => {
                 Some("predicted belongs to a balance alone; leave the line out")
             }
-            _ if self.load.is_some() && kind != Kind::Contact => {
-                Some("load belongs to a contact alone; leave the line out")
+            Kind::Fmu if self.load.is_some() => Some(
+                "the load of an FMU is a variable of its own; leave the line out and name the variable in [port], as load",
+            ),
+            Kind::Drive | Kind::Pendulum | Kind::Joint if self.load.is_some() => {
+                Some("load belongs to a contact or a balance; leave the line out")
             }
             _ => None,
         };
         if let Some(what) = missing {
             return Err(ColumnError::Quantity(what));
         }
-        for (quantity, column) in self.given() {
+        for (quantity, column) in self.given(kind) {
             column.factor(quantity, path)?;
         }
         Ok(())
@@ -268,13 +273,17 @@ impl Columns {
         columns.iter().any(|column| column.is_some())
     }
 
-    /// All columns that are named.
-    pub fn given(&self) -> impl Iterator<Item = (Quantity, &Column)> {
+    /// All columns of a plant of this kind that are named.
+    pub fn given(&self, kind: Kind) -> impl Iterator<Item = (Quantity, &Column)> {
+        let load = match kind {
+            Kind::Contact => Quantity::Load,
+            _ => Quantity::ExternalLoad,
+        };
         let optional = [
             (Quantity::Position, &self.position),
             (Quantity::Velocity, &self.velocity),
             (Quantity::Force, &self.force),
-            (Quantity::Load, &self.load),
+            (load, &self.load),
             (Quantity::Predicted, &self.predicted),
             (Quantity::Voltage, &self.voltage),
             (Quantity::Duty, &self.duty),

@@ -276,7 +276,6 @@ fn forced(
 }
 
 fn entries(case: &SmallCase, effects: &[String]) -> anyhow::Result<Vec<&'static Entry>> {
-    let has_load = case.model.columns.load.is_some();
     let model = &case.model.model;
     effects
         .iter()
@@ -285,7 +284,9 @@ fn entries(case: &SmallCase, effects: &[String]) -> anyhow::Result<Vec<&'static 
                 .effect(name)
                 .map_err(|what| anyhow!("--effect {name}: {what}"))?;
             Some(entry)
-                .filter(|entry| entry.fits(model.kind, model.path, has_load) && !model.has(name))
+                .filter(|entry| {
+                    entry.fits(model.kind, model.path, case.model.has_load()) && !model.has(name)
+                })
                 .ok_or_else(|| {
                     let open: Vec<&str> = case.possible().iter().map(|entry| entry.name).collect();
                     anyhow!(

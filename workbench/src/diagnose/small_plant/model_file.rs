@@ -63,11 +63,16 @@ impl SmallModel {
         ports.filter_map(|port| port.name.as_deref()).collect()
     }
 
+    /// Whether a load is measured, or an FMU's is named.
+    #[must_use]
+    pub fn has_load(&self) -> bool {
+        has_load(&self.columns, self.ports.as_ref())
+    }
+
     /// The effects of the catalogue and of `supposed` that the plant can have and its model has not.
     #[must_use]
     pub fn possible(&self, supposed: &[&'static Entry]) -> Vec<&'static Entry> {
         let model = &self.model;
-        let has_load = self.columns.load.is_some();
         let shared = match self.port_names().len() {
             0 | 1 => &CATALOGUE[..],
             // Each effect stands among those of the ports, once for each.
@@ -75,7 +80,7 @@ impl SmallModel {
         };
         let own = self.of_ports.iter().chain(supposed).copied();
         let all = shared.iter().chain(own);
-        all.filter(|entry| entry.fits(model.kind, model.path, has_load))
+        all.filter(|entry| entry.fits(model.kind, model.path, self.has_load()))
             .filter(|entry| !model.has(entry.name))
             .collect()
     }
@@ -85,4 +90,11 @@ impl SmallModel {
 #[must_use]
 pub fn dotted(entry: &Entry, key: &str) -> String {
     format!("{}.{key}", entry.name)
+}
+
+/// Whether a model with these columns and, of an FMU, these ports has a load.
+#[must_use]
+pub fn has_load(columns: &Columns, ports: Option<&Ports>) -> bool {
+    let mut ports = ports.into_iter().flat_map(|ports| &ports.ports);
+    columns.load.is_some() || ports.any(|port| port.load.is_some())
 }

@@ -10,7 +10,7 @@ use stickslip::parameter::{Provenance, Range};
 use super::columns::Columns;
 use super::fmu::places::effects;
 use super::fmu::ports::{Input, Port, Ports};
-use super::model_file::{SmallModel, SmallModelError, dotted};
+use super::model_file::{SmallModel, SmallModelError, dotted, has_load};
 use inference::body::base::{PARAMETERS, base, of_fmu};
 use inference::body::catalogue::{CATALOGUE, entry};
 use inference::body::effect_file;
@@ -68,7 +68,7 @@ pub(super) fn read(reader: &Reader<'_>) -> Result<SmallModel, SmallModelError> {
         model,
         of_ports,
         origins,
-    } = described(reader, columns.load.is_some(), ports.as_ref())?;
+    } = described(reader, has_load(&columns, ports.as_ref()), ports.as_ref())?;
     Ok(SmallModel {
         model,
         columns,
@@ -155,7 +155,7 @@ fn described(
         reader.check_name(entry.name, is_known || model.has(entry.name))?;
         if entry.needs_load && !has_load {
             let section = format!("effect {}", entry.name);
-            let expected = "without load, since [columns] has none";
+            let expected = "without load, since the model names none";
             let found = format!("{:?}", effect.equation);
             Err(reader.wrong(&section, "equation", &found, expected))?;
         }

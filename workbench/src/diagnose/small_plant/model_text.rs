@@ -25,7 +25,7 @@ impl SmallModel {
             text.push_str(&ports.to_toml());
         }
         text.push_str("\n[columns]\n");
-        for (quantity, column) in self.columns.given() {
+        for (quantity, column) in self.columns.given(kind) {
             let _ = writeln!(text, "{} = {}", quantity.word(), column.to_toml());
         }
         let Measurement {

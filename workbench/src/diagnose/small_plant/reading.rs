@@ -36,8 +36,10 @@ pub fn read(
     if let Some(force) = sheet.series(Quantity::Force)? {
         motion.force = force;
     }
-    if let Some(load) = sheet.series(Quantity::Load)? {
-        motion.load = load;
+    for quantity in [Quantity::Load, Quantity::ExternalLoad] {
+        if let Some(load) = sheet.series(quantity)? {
+            motion.load = load;
+        }
     }
     if let Some(predicted) = sheet.series(Quantity::Predicted)? {
         motion.predicted = predicted;
@@ -211,7 +213,7 @@ impl<'a> Sheet<'a> {
     /// What one of a column's unit is in SI units.
     fn factor(&self, quantity: Quantity) -> f64 {
         let path = self.model.model.path;
-        let mut given = self.model.columns.given();
+        let mut given = self.model.columns.given(self.model.model.kind);
         let column = given.find(|(given, _)| *given == quantity);
         column
             .and_then(|(_, column)| column.factor(quantity, path).ok())
@@ -286,7 +288,7 @@ impl<'a> Sheet<'a> {
 
     /// A quantity in SI units; `None` where the model names no column for it.
     fn series(&self, quantity: Quantity) -> Result<Option<Vec<f64>>, SmallCaseError> {
-        let mut given = self.model.columns.given();
+        let mut given = self.model.columns.given(self.model.model.kind);
         let Some((_, column)) = given.find(|(given, _)| *given == quantity) else {
             return Ok(None);
         };

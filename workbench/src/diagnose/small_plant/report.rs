@@ -124,10 +124,10 @@ fn disagreement(case: &SmallCase, found: &SmallFinding, before: &Model, after: &
     let balance = balance(case);
     let (old, new) = (balance.compared(before), balance.compared(after));
     let mut picture = Figure::new("");
-    let has_load = case.model.columns.load.is_some();
+    let has_load = case.model.has_load();
     let shown: Vec<_> = COORDINATES
         .iter()
-        .filter(|c| (has_load || c.name != "load") && c.is_along(case.model.model.path))
+        .filter(|c| (has_load || !c.name.starts_with("load")) && c.is_along(case.model.model.path))
         .collect();
     for pair in shown.chunks(2) {
         let panels = pair

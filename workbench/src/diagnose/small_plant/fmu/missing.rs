@@ -252,5 +252,6 @@ fn moved(
     motion.position.clone_from(&own.position);
     motion.velocity.clone_from(&own.velocity);
     motion.acceleration.clone_from(&own.acceleration);
+    motion.load.clone_from(&own.load);
     motion
 }

@@ -5,7 +5,7 @@ use std::path::{Path as FilePath, PathBuf};
 use thiserror::Error;
 
 use super::missing::Recorded;
-use super::ports::{Coordinate, Input, Port, Ports};
+use super::ports::{Coordinate, Input, LoadVariable, Port, Ports};
 use super::pursuit::{Driven, Pursued, PursuedPort};
 use crate::component::{
     ComponentError, Description, Fmu, Kind as ValueKind, Role, Variable, closest,
@@ -42,6 +42,8 @@ pub struct Place {
     pub position: Option<(usize, f64)>,
     /// The output of the velocity there, likewise.
     pub velocity: Option<(usize, f64)>,
+    /// The variable of the load there, likewise.
+    pub load: Option<(usize, f64)>,
     /// Frequency below which forces are compared there, where it has one of its own [Hz].
     pub cut_off: Option<f64>,
     /// Whether the position was measured, so that the FMU's is to be the same.
@@ -258,6 +260,7 @@ impl Place {
             input: self.input,
             position: self.position,
             velocity: self.velocity,
+            load: self.load,
             measured_position: read(&motion.position, &velocity),
             measured_velocity: read(&velocity, &slopes(&velocity, motion.interval)),
             is_absolute: self.is_absolute,
@@ -316,11 +319,27 @@ impl Finder<'_> {
         Ok(Place {
             position: output(&port.position, Quantity::Position)?,
             velocity: output(&port.velocity, Quantity::Velocity)?,
+            load: port.load.as_ref().map(|load| self.load(load)).transpose()?,
             input: (input, self.factor("port", input, Quantity::Force)?),
             cut_off: port.compare_low_pass,
             is_absolute: false,
             has_velocity: false,
         })
+    }
+
+    /// The variable of a load with its factor to N or N m.
+    fn load(&mut self, load: &LoadVariable) -> Result<(usize, f64), PlantError> {
+        let is_read = |v: &Variable| v.role != Role::Time;
+        let at = self.variable("port", &load.variable, "variable", is_read)?;
+        match load.factor {
+            Some(factor) if factor.is_finite() && factor != 0.0 => Ok((at, factor)),
+            Some(factor) => Err(self.wrong(
+                "port",
+                at,
+                format!("factor = {factor} of load must be a finite number other than 0"),
+            )),
+            None => Ok((at, self.factor("port", at, Quantity::ExternalLoad)?)),
+        }
     }
 
     fn variable(

@@ -39,6 +39,8 @@ pub struct Port {
     pub measured_position: Option<Column>,
     /// Column of the measured velocity, likewise.
     pub measured_velocity: Option<Column>,
+    /// Load there, on which friction may depend.
+    pub load: Option<LoadVariable>,
     /// How often per turn teeth, poles or rollers repeat there.
     #[serde(default)]
     pub repeats: Vec<f64>,
@@ -48,6 +50,16 @@ pub struct Port {
     pub inertia: Option<f64>,
     /// The longest step over which an added effect's force is constant [s].
     pub coupling_step: Option<f64>,
+}
+
+/// A variable of the FMU that is a load.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoadVariable {
+    /// Its name.
+    pub variable: String,
+    /// What one of its unit is in N, along a turn in N m, where it is in another: of a normal force in N, the radius in m.
+    pub factor: Option<f64>,
 }
 
 /// An input that a column drives.
@@ -164,6 +176,12 @@ impl Port {
             if let Some(column) = column {
                 let _ = writeln!(text, "{key} = {}", column.to_toml());
             }
+        }
+        if let Some(load) = &self.load {
+            let factor = load
+                .factor
+                .map_or(String::new(), |factor| format!(", factor = {factor:?}"));
+            let _ = writeln!(text, "load = {{ variable = {:?}{factor} }}", load.variable);
         }
         if !self.repeats.is_empty() {
             let _ = writeln!(text, "repeats = {:?}", self.repeats);

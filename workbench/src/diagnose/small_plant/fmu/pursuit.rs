@@ -49,6 +49,8 @@ pub struct PursuedPort {
     pub position: Option<(usize, f64)>,
     /// Output of velocity and what one of its unit is in m/s or rad/s.
     pub velocity: Option<(usize, f64)>,
+    /// Variable of the load there and what one of its unit is in N or N m.
+    pub load: Option<(usize, f64)>,
     /// Measured position [m or rad].
     pub measured_position: Vec<f64>,
     /// Measured velocity [m/s or rad/s].
@@ -81,6 +83,8 @@ pub struct Pursuit {
     pub velocity: Vec<f64>,
     /// Its acceleration [m/s² or rad/s²].
     pub acceleration: Vec<f64>,
+    /// The load then [N or N m]; zero where none is named.
+    pub load: Vec<f64>,
     /// Inertia that the port shows [kg or kg m²]; negative where a positive force moves the FMU backward.
     pub inertia: f64,
 }
@@ -172,6 +176,7 @@ impl Course {
             position: mean(&|at| middle(|own| own.position, at)),
             velocity: mean(&|at| middle(|own| own.velocity, at)),
             acceleration: mean(&gained),
+            load: mean(&|at| middle(|own| own.load, at)),
             inertia,
         }
     }
@@ -187,6 +192,7 @@ fn between(position: [f64; 2], velocity: [f64; 2], interval: f64, part: f64) -> 
     Moved {
         position: from + part * (leaving + part * (bend + part * twist)),
         velocity: (leaving + part * (2.0 * bend + part * 3.0 * twist)) / interval,
+        load: 0.0,
     }
 }
 
@@ -216,6 +222,7 @@ struct Chase<'a> {
 struct Moved {
     position: f64,
     velocity: f64,
+    load: f64,
 }
 
 impl<'a> Chase<'a> {
@@ -225,7 +232,7 @@ impl<'a> Chase<'a> {
         let (substeps, step) = substeps(pursued.interval, fastest);
         let outputs = ports
             .clone()
-            .flat_map(|port| [port.position, port.velocity]);
+            .flat_map(|port| [port.position, port.velocity, port.load]);
         Self {
             component,
             pursued,
@@ -301,6 +308,7 @@ impl<'a> Chase<'a> {
         for (place, port) in self.pursued.ports.iter().enumerate() {
             let position = read(port.position);
             let velocity = read(port.velocity);
+            let load = read(port.load).unwrap_or(0.0);
             let before = before.map(|all| all[place]);
             let (position, velocity) = match (position, velocity, before) {
                 (Some(position), Some(velocity), _) => (position, velocity),
@@ -316,7 +324,11 @@ impl<'a> Chase<'a> {
                     (position, velocity)
                 }
             };
-            all.push(Moved { position, velocity });
+            all.push(Moved {
+                position,
+                velocity,
+                load,
+            });
         }
         Ok(all)
     }

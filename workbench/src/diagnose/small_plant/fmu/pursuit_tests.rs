@@ -85,6 +85,7 @@ fn the_force_at_each_port_is_what_moves_it_against_the_other() {
         input: (at, 1.0),
         position: Some((2 + at, 1.0)),
         velocity: Some((4 + at, 1.0)),
+        load: None,
         measured_position: times().map(|t| motion(t)[at][0]).collect(),
         measured_velocity: times().map(|t| motion(t)[at][1]).collect(),
         is_absolute: true,

@@ -87,6 +87,10 @@ pub fn text(fmu: &Path, description: &Description) -> String {
         );
     }
     text.push_str(
+        "# A load on which friction may depend; a normal force on a turn takes its radius [m] as factor.\n\
+         # load = { variable = \"name\", factor = 1.0 }\n",
+    );
+    text.push_str(
         "\n# Inputs that a column drives; between two samples they are \"held\" or \"linear\". Others keep their start values.\n[inputs]\n",
     );
     for input in of(Role::Input, &[]) {

@@ -231,6 +231,7 @@ pub fn build(
             start: variables[place.input.0].start.unwrap_or(0.0),
             position: place.position.map(placed),
             velocity: place.velocity.map(placed),
+            load: place.load.map(placed),
             inertia,
         },
         coupling_step,
