@@ -10,8 +10,8 @@ use crate::library::Library;
 use crate::model_description::{Facts, XmlError, model_description, terminals_and_icons};
 use crate::platform::FmiVersion;
 
-const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
-const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");
+const LICENSE_MIT: &str = include_str!("../../docs/licences/MIT.txt");
+const LICENSE_APACHE: &str = include_str!("../../docs/licences/Apache-2.0.txt");
 const LICENSE_ENTRY: &str = "stickslip is licensed under either of\n\n\
     * the MIT License (LICENSE-MIT)\n* the Apache License, Version 2.0 (LICENSE-APACHE)\n\nat your option.\n";
 const LICENSE_SPDX: &str = "SPDXVersion: SPDX-2.3\nDataLicense: CC0-1.0\nPackageName: stickslip\n\

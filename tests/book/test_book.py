@@ -41,7 +41,7 @@ class Page(html.parser.HTMLParser):
 @pytest.fixture(scope="session")
 def book():
     """Builds the book; a broken link, a page that is in no chapter or the like is an error."""
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--clean", "--config-file", ROOT / "book/mkdocs.yml"]
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--clean", "--config-file", ROOT / "tools/book/mkdocs.yml"]
     result = subprocess.run(command, capture_output=True, text=True)
     assert result.returncode == 0, result.stdout + result.stderr
     return BOOK
@@ -152,7 +152,7 @@ def test_the_tutorial_can_be_typed():
 
 def test_the_record_and_the_effect_of_contributing_can_be_typed():
     """The record tells enough for the page's own effect to be named, alone and with its number."""
-    result = type_blocks(ROOT / "CONTRIBUTING.md", "out/contributing")
+    result = type_blocks(DOCS / "CONTRIBUTING.md", "out/contributing")
     assert "disagree most over the disc angle" in result.stdout
     assert "cannot be told from each other" not in result.stdout + result.stderr
     finding = json.loads((ROOT / "out/contributing/finding/finding.json").read_text())
@@ -164,7 +164,7 @@ def test_the_record_and_the_effect_of_contributing_can_be_typed():
 def test_contributing_names_files_that_are_there():
     """All that the lists of files name, but what an example adds."""
     added = {"src/friction/coulomb_viscous.rs"}
-    named = set(re.findall(r"`((?:src|crates|workbench|build-fmu|tests|examples)/[\w/.-]+)`", (ROOT / "CONTRIBUTING.md").read_text()))
+    named = set(re.findall(r"`((?:src|crates|tools|docs|build-fmu|tests)/[\w/.-]+)`", (DOCS / "CONTRIBUTING.md").read_text()))
     assert len(named) > 25
     for path in named - added:
         assert (ROOT / path.replace("chapterN", "chapter4")).exists(), path

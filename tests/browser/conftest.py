@@ -17,7 +17,7 @@ FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "-
 def report(tmp_path_factory):
     """Path of the report on the small case."""
     out = tmp_path_factory.mktemp("report")
-    case = ROOT / "workbench" / "tests" / "data" / "unbalance"
+    case = ROOT / "crates" / "workbench" / "tests" / "data" / "unbalance"
     done = subprocess.run([PROGRAM, "diagnose", case, "--out", out], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return out / "report.html"

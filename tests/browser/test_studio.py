@@ -14,7 +14,7 @@ from axe_playwright_python.sync_playwright import Axe
 from conftest import PROGRAM, ROOT
 from playwright.sync_api import expect
 
-CASE = ROOT / "workbench" / "tests" / "data" / "unbalance"
+CASE = ROOT / "crates" / "workbench" / "tests" / "data" / "unbalance"
 PICTURE = ROOT / "docs" / "pictures" / "studio.png"
 TABS = ["Records", "Rig", "Where", "What", "Take along"]
 # A diagnosis of the small case [ms], on a machine that does other things too.

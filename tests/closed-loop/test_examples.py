@@ -31,7 +31,7 @@ def results():
     for name in EXAMPLES:
         for left in OUT.glob(f"{name}.*"):
             left.unlink()
-        script = ROOT / "examples" / "closed-loop" / f"{name}.py"
+        script = ROOT / "docs" / "examples" / "closed-loop" / f"{name}.py"
         result = subprocess.run([sys.executable, script, "--out", OUT], capture_output=True, text=True)
         assert result.returncode == 0, f"{name}: {result.stdout}{result.stderr}"
         assert (OUT / f"{name}.png").read_bytes().startswith(b"\x89PNG")

@@ -29,7 +29,7 @@ class Discovery:
         return json.loads((self.out / "finding.json").read_text())
 
 
-# Kind of hidden-records, and the effect that must be named.
+# Kind of benchmark-data, and the effect that must be named.
 KINDS = {
     "stribeck_but_acceleration_hysteresis": ("acceleration_hysteresis", "acceleration_hysteresis"),
     "coulomb_but_acceleration_hysteresis": ("acceleration_hysteresis_c", "acceleration_hysteresis"),
@@ -41,7 +41,7 @@ KINDS = {
 def diagnosed(folder, effect, kind, seed, *more):
     """A case of this kind with what `stickslip diagnose` makes of it."""
     records, out = folder / "records", folder / "result"
-    make = [PROGRAMS / "hidden-records", "make", "--seed", str(seed), "--cases", "1", "--kind", kind, "--out", records, *more]
+    make = [PROGRAMS / "benchmark-data", "make", "--seed", str(seed), "--cases", "1", "--kind", kind, "--out", records, *more]
     subprocess.run(make, check=True, capture_output=True, text=True)
     answers = json.loads((records / "ANSWERS.json").read_text())
     case = records / next(iter(answers))

@@ -9,7 +9,7 @@ import tomllib
 import pytest
 from conftest import PROGRAMS, ROOT, diagnosed
 
-CASE = ROOT / "workbench" / "tests" / "data" / "unbalance"
+CASE = ROOT / "crates" / "workbench" / "tests" / "data" / "unbalance"
 # Exponents of mass and time of what model, records and instruments hold; lengths and currents stay.
 UNITS = {
     "inertia": (1, 0),

@@ -13,7 +13,7 @@ from fmpy.validation import validate_fmu
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = ROOT / "target" / "release"
-SPRING = ROOT / "workbench" / "tests" / "wrapped_fmu"
+SPRING = ROOT / "crates" / "workbench" / "tests" / "wrapped_fmu"
 
 # A second effect beside that of the file.
 DRAG = """
@@ -130,7 +130,7 @@ force = 0.2
 
 
 def test_an_fmu_of_version_2_that_cannot_save_its_state(tmp_path):
-    maker = [PROGRAMS / "hidden-records", "make", "--fmu", "--seed", "700", "--cases", "1", "--out", tmp_path / "cases"]
+    maker = [PROGRAMS / "benchmark-data", "make", "--fmu", "--seed", "700", "--cases", "1", "--out", tmp_path / "cases"]
     subprocess.run(maker, check=True, capture_output=True)
     (original,) = (tmp_path / "cases").rglob("axis.fmu")
     shutil.copy(original, tmp_path / "axis.fmu")

@@ -20,9 +20,9 @@ from nbclient import NotebookClient
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = ROOT / "target" / "release"
-EXAMPLES = ROOT / "examples" / "python"
+EXAMPLES = ROOT / "docs" / "examples" / "python"
 MODEL = ROOT / "modelDescription" / "reduced-rig.toml"
-CASE = ROOT / "workbench" / "tests" / "data" / "unbalance"
+CASE = ROOT / "crates" / "workbench" / "tests" / "data" / "unbalance"
 OUT = ROOT / "out" / "examples"  # kept: CI's pictures
 GRID = ["--speed-rpm", "25", "60", "8", "--normal-force", "10", "50", "5", "--stop", "30"]
 
@@ -303,5 +303,5 @@ def test_the_notebook_tells_its_story_and_is_stored_with_what_it_shows():
     nbformat.write(notebook, OUT / "story.ipynb")
     shown = [kind for cell in kinds(notebook) for kind in cell]
     assert sum("image/png" in kind for kind in shown) == 3 and sum("text/html" in kind for kind in shown) >= 6
-    again = f"cp {(OUT / 'story.ipynb').relative_to(ROOT)} examples/python/"
+    again = f"cp {(OUT / 'story.ipynb').relative_to(ROOT)} docs/examples/python/"
     assert kinds(stored) == kinds(notebook), f"the notebook was changed and not executed since: {again}"

@@ -17,7 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 BUILT = ROOT / "target" / "release"
 LIBRARY = BUILT / "libstickslip.so"
 INSTALLED = pathlib.Path(sys.executable).parent
-CASE = ROOT / "workbench" / "tests" / "data" / "unbalance"
+CASE = ROOT / "crates" / "workbench" / "tests" / "data" / "unbalance"
 MODELS = ROOT / "modelDescription"
 
 

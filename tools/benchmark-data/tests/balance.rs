@@ -1,0 +1,60 @@
+//! Joints with a torque beside a predicted one: what is hidden is in the difference, and nothing else but noise.
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
+use benchmark_data::balance::{BalanceCase, KINDS};
+use benchmark_data::case_files::Case;
+
+/// Root mean squares of the measured torque and of what the prediction, scaled, leaves of it.
+fn torques(record: &str, scale: f64) -> [f64; 2] {
+    let (mut all, mut left, mut count) = (0.0, 0.0, 0.0);
+    for line in record.lines().skip(1) {
+        let values: Vec<f64> = line
+            .split(',')
+            .map(|value| value.parse().unwrap())
+            .collect();
+        all += values[3] * values[3];
+        left += (values[3] - scale * values[4]).powi(2);
+        count += 1.0;
+    }
+    [(all / count), (left / count)].map(f64::sqrt)
+}
+
+#[test]
+fn the_difference_holds_what_is_hidden() {
+    for case in BalanceCase::plan(500_000, 2 * KINDS.len(), None).unwrap() {
+        let made = case.make().unwrap();
+        let record = &made
+            .files
+            .iter()
+            .find(|(name, _)| name == "run-a.csv")
+            .unwrap()
+            .1;
+        let [all, left] = torques(record, made.answer.parameter_ratio["balance.scale"]);
+        assert!(all.is_finite() && all > 0.0, "{}", case.kind);
+        let is_hidden = case.kind != "none";
+        assert_eq!(
+            left > 0.012 * all,
+            is_hidden,
+            "{} {}",
+            case.kind,
+            left / all
+        );
+    }
+}
+
+#[test]
+fn a_seed_is_a_case_and_a_wrong_kind_is_told() {
+    let made = || {
+        BalanceCase::plan(7, 1, Some("offset")).unwrap()[0]
+            .make()
+            .unwrap()
+            .files
+    };
+    assert_eq!(made(), made());
+    assert!(
+        BalanceCase::plan(7, 1, Some("ofset"))
+            .unwrap_err()
+            .to_string()
+            .contains("ofset")
+    );
+}
