@@ -314,7 +314,7 @@ def test_a_diagnosis_is_watched_held_survives_a_closed_page_and_is_taken_along(s
     page.wait_for_selector("#progress[data-phase=done]", timeout=PATIENCE)
     wait_for(page, "#finding", "Missing: unbalance")
     text = page.locator("#finding").inner_text()
-    assert re.search(r"(9\d|100)(\.\d+)? %\s*of the gap", text) and "unbal_T" in text and "95 % interval" in text, text
+    assert re.search(r"(9\d|100)(\.\d+)? %\s*of the gap", text) and "unbalance.torque" in text and "95 % interval" in text, text
     assert "ahead of the nearest rival" in text
     frame = page.frame_locator("#report iframe")
     assert frame.locator("h1").inner_text() == "Missing: unbalance"

@@ -14,7 +14,7 @@ import numpy
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402  the backend comes first
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 BUILD_FMU = ROOT / "target" / "release" / "build-fmu"
 SPEED = 55 * 2 * math.pi / 60  # wanted speed of the gearbox output, rad/s
 NORMAL_FORCE = 50.0  # of the pin on disc D2, N

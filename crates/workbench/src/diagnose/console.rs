@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::finding::{Finding, FoundEffect, NO_EFFECT, Ranked, VerdictName};
 use super::gap::Measures;
+use inference::policy::{NAMED, RIVAL};
 
 /// Candidates that a screen shows.
 const CANDIDATES: usize = 5;
@@ -30,15 +31,7 @@ pub fn answer(finding: &Finding) -> Vec<String> {
             lines.extend(nearest_rival(finding));
         }
         VerdictName::Ambiguous => {
-            let names: Vec<String> = finding
-                .alternatives
-                .iter()
-                .map(|name| readable(name))
-                .collect();
-            lines.push(format!(
-                "Missing is one of: {}. These records cannot tell which.",
-                names.join(", ")
-            ));
+            lines.push(undecided(finding));
             for effect in &finding.effects {
                 lines.push(format!("Added to the model: {}.", described(effect)));
             }
@@ -151,16 +144,38 @@ fn described(effect: &FoundEffect) -> String {
     text
 }
 
+/// What may be missing, where no answer is sure.
+pub fn undecided(finding: &Finding) -> String {
+    let names: Vec<String> = finding
+        .alternatives
+        .iter()
+        .map(|name| readable(name))
+        .collect();
+    match &names[..] {
+        [only] => format!(
+            "Probably missing: {only}. It is less sure than {}, from which on a name is given, and every rival has less than {}.",
+            percent(NAMED),
+            percent(RIVAL)
+        ),
+        _ => format!(
+            "Missing is one of: {}. These records cannot tell which.",
+            names.join(", ")
+        ),
+    }
+}
+
 /// The effects' numbers, a line for each.
 fn numbers(finding: &Finding) -> String {
     let mut text = String::new();
-    for (symbol, value) in finding.effects.iter().flat_map(|effect| &effect.parameters) {
+    let all = finding.effects.iter();
+    for value in all.flat_map(|effect| effect.parameters.values()) {
         let interval = value.interval95.map_or("held".to_owned(), |[low, high]| {
             format!("{} … {}", number(low), number(high))
         });
         let _ = writeln!(
             text,
-            "    {symbol:22}{:>10} {:8} {interval}",
+            "    {:28}{:>10} {:8} {interval}",
+            value.model_parameter,
             number(value.value),
             shown_unit(&value.unit)
         );

@@ -10,10 +10,8 @@ use crate::analysis::spectrum::Spectrum;
 use crate::diagnose::finding::{Finding, LearnedTerm};
 use crate::diagnose::residual_torque::ResidualTorque;
 use crate::diagnose::show::{Comparison, Shown};
-use crate::plot::{Axis, Bar, Bars, Chart, Figure, Marker, Panel, Style};
+use crate::plot::{Axis, Bar, Bars, Chart, Figure, Marker, Style};
 
-/// Bins of a residual torque over a coordinate.
-const BINS: usize = 24;
 /// Candidates shown in the ranking.
 const SHOWN_CANDIDATES: usize = 12;
 /// Length of the stretch shown in the time series of windows, in natural periods of the disc on its shaft.
@@ -54,193 +52,17 @@ impl Scaling {
         PIECE * self.time
     }
 
-    fn highest_frequency(&self) -> f64 {
+    pub(super) fn highest_frequency(&self) -> f64 {
         SHOWN_FREQUENCIES / (TAU * self.time)
     }
 }
 
-fn before() -> Style {
+pub(super) fn before() -> Style {
     Style::series(1)
 }
 
-fn after() -> Style {
+pub(super) fn after() -> Style {
     Style::series(0)
-}
-
-fn scatter() -> Style {
-    Style {
-        colour: "#e8b9a2",
-        ..Style::series(1)
-    }
-    .wide(0.0)
-}
-
-/// Residual torques of both models over every coordinate.
-pub fn residuals(
-    before_all: &[ResidualTorque],
-    after_all: &[ResidualTorque],
-    scaling: &Scaling,
-) -> Figure {
-    let sliding = |all: &[ResidualTorque]| -> Vec<ResidualTorque> {
-        all.iter().filter(|r| r.place.sliding).copied().collect()
-    };
-    let (old, new) = (sliding(before_all), sliding(after_all));
-    let disc = |label: &str, title: &str, of: fn(&ResidualTorque) -> f64| -> Box<dyn Panel> {
-        Box::new(over(label, title, &old, &new, of, |r| r.disc))
-    };
-    Figure::new("")
-        .row(
-            250.0,
-            vec![
-                disc("time [s]", "over time", |r| r.place.time),
-                disc("disc velocity θ̇₂ [rad/s]", "over velocity", |r| {
-                    r.place.speed
-                }),
-            ],
-        )
-        .row(
-            250.0,
-            vec![
-                disc("α [rad]", "over the phase-plane angle", |r| r.place.alpha),
-                disc(
-                    "disc angle θ₂ modulo 2π [rad]",
-                    "over the disc's angle",
-                    |r| r.place.disc_angle.rem_euclid(TAU),
-                ),
-            ],
-        )
-        .row(
-            250.0,
-            vec![
-                disc("normal force N₂ [N]", "over the normal force", |r| {
-                    r.place.normal_force
-                }),
-                Box::new(over(
-                    "motor angle η θ₃ modulo 2π [rad]",
-                    "torque on the gearbox output over the motor's angle",
-                    before_all,
-                    after_all,
-                    |r| (scaling.ratio * r.place.gear_angle).rem_euclid(TAU),
-                    |r| r.motor,
-                )),
-            ],
-        )
-        .row(
-            250.0,
-            vec![
-                Box::new(
-                    Chart::new(
-                        Axis::new("order of the disc's angle"),
-                        Axis::new("amplitude [N m]"),
-                    )
-                    .title("orders")
-                    .line("before", &orders(), &order_amplitudes(&old), before())
-                    .line("after", &orders(), &order_amplitudes(&new), after()),
-                ),
-                Box::new(frequencies(before_all, after_all, scaling)),
-            ],
-        )
-}
-
-/// Single values before, and means of bins before and after.
-fn over(
-    label: &str,
-    title: &str,
-    old: &[ResidualTorque],
-    new: &[ResidualTorque],
-    coordinate: impl Fn(&ResidualTorque) -> f64,
-    torque: impl Fn(&ResidualTorque) -> f64,
-) -> Chart {
-    let series = |all: &[ResidualTorque]| -> (Vec<f64>, Vec<f64>) {
-        (
-            all.iter().map(&coordinate).collect(),
-            all.iter().map(&torque).collect(),
-        )
-    };
-    let (x, y) = series(old);
-    let (new_x, new_y) = series(new);
-    let (middle, mean) = binned(&x, &y);
-    let (new_middle, new_mean) = binned(&new_x, &new_y);
-    Chart::new(Axis::new(label), Axis::new("residual torque [N m]"))
-        .title(title)
-        .points("", &x, &y, Marker::Dot, scatter())
-        .horizontal("", 0.0, Style::reference())
-        .line("before", &middle, &mean, before().wide(2.0))
-        .line("after", &new_middle, &new_mean, after().wide(2.0))
-        // A bin between empty ones makes no line.
-        .points("", &middle, &mean, Marker::Dot, before().wide(0.5))
-        .points("", &new_middle, &new_mean, Marker::Dot, after().wide(0.5))
-}
-
-/// Middles and means of bins of equal width that hold at least three values; the line breaks over those that do not.
-fn binned(x: &[f64], y: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let (low, high) = x.iter().fold((f64::MAX, f64::MIN), |(low, high), v| {
-        (low.min(*v), high.max(*v))
-    });
-    if high <= low {
-        return (Vec::new(), Vec::new());
-    }
-    let width = (high - low) / BINS as f64;
-    let mut bins = vec![(0.0, 0_usize); BINS];
-    for (x, y) in x.iter().zip(y) {
-        let bin = &mut bins[(((x - low) / width) as usize).min(BINS - 1)];
-        bin.0 += y;
-        bin.1 += 1;
-    }
-    bins.iter()
-        .enumerate()
-        .map(|(j, (sum, count))| {
-            let mean = if *count >= 3 {
-                sum / *count as f64
-            } else {
-                f64::NAN
-            };
-            (low + (j as f64 + 0.5) * width, mean)
-        })
-        .unzip()
-}
-
-fn orders() -> Vec<f64> {
-    (2..=40).map(|j| 0.1 * f64::from(j)).collect()
-}
-
-/// Amplitude of the disc torque's part at each order of the disc's angle.
-fn order_amplitudes(all: &[ResidualTorque]) -> Vec<f64> {
-    let mean = all.iter().map(|r| r.disc).sum::<f64>() / all.len().max(1) as f64;
-    orders()
-        .iter()
-        .map(|order| {
-            let (mut cosine, mut sine) = (0.0, 0.0);
-            for r in all {
-                let (s, c) = (order * r.place.disc_angle).sin_cos();
-                cosine += (r.disc - mean) * c;
-                sine += (r.disc - mean) * s;
-            }
-            2.0 * cosine.hypot(sine) / all.len().max(1) as f64
-        })
-        .collect()
-}
-
-fn frequencies(old: &[ResidualTorque], new: &[ResidualTorque], scaling: &Scaling) -> Chart {
-    let spectrum = |all: &[ResidualTorque]| {
-        let first_run: Vec<f64> = all
-            .iter()
-            .filter(|r| r.run == 0)
-            .map(|r| if r.place.sliding { r.disc } else { 0.0 })
-            .collect();
-        Spectrum::new(&first_run, scaling.piece())
-    };
-    let mut chart = Chart::new(
-        Axis::new("frequency [Hz]").range(0.0, scaling.highest_frequency()),
-        Axis::new("amplitude [N m]"),
-    )
-    .title("frequencies, first record");
-    for (label, all, style) in [("before", old, before()), ("after", new, after())] {
-        if let Some(spectrum) = spectrum(all) {
-            chart = chart.line(label, &spectrum.frequency, &spectrum.amplitude, style);
-        }
-    }
-    chart
 }
 
 /// What each candidate gains.
@@ -282,31 +104,43 @@ pub fn learned(term: &LearnedTerm) -> Figure {
     Figure::new("").panel(260.0, chart)
 }
 
-/// The held-out record's velocity: measured, restarted windows and free run.
-pub fn time_series(comparison: &Comparison, scaling: &Scaling) -> Figure {
+/// The held-out record's velocity: measured, and in windows that are restarted.
+pub(super) fn windows(comparison: &Comparison, scaling: &Scaling) -> Chart {
     let run = &comparison.judging.records[comparison.free_stretch];
     let last = run.time.last().copied().unwrap_or(0.0);
     let end = last.min(run.time[0] + SHOWN_PERIODS * TAU * scaling.time);
-    let axis = || Axis::new("time [s]");
-    let velocity = || Axis::new("θ̇₂ [rad/s]");
+    let axis = Axis::new("time [s]").range(run.time[0], end);
     let measured = measured_velocity(run);
-    let mut windows = Chart::new(axis().range(run.time[0], end), velocity())
-        .title("restarted windows, first seconds")
+    let mut chart = Chart::new(axis, Axis::new("θ̇₂ [rad/s]"))
+        .title("held-out record, restarted windows, first seconds")
         .line("measured", measured.0, measured.1, Style::measured());
-    let mut free = Chart::new(axis(), velocity())
+    for (label, shown, style) in both(comparison) {
+        let (time, values) = joined(comparison, shown);
+        chart = chart.line(label, &time, &values, style);
+    }
+    chart
+}
+
+/// The held-out record's velocity: measured, and in one run.
+pub fn free_run(comparison: &Comparison) -> Figure {
+    let run = &comparison.judging.records[comparison.free_stretch];
+    let measured = measured_velocity(run);
+    let mut chart = Chart::new(Axis::new("time [s]"), Axis::new("θ̇₂ [rad/s]"))
         .title("free run from the record's start")
         .line("measured", measured.0, measured.1, Style::measured());
-    for (label, shown, style) in [
-        ("before", &comparison.before, before()),
-        ("after", &comparison.after, after()),
-    ] {
-        let (time, values) = joined(comparison, shown);
-        windows = windows.line(label, &time, &values, style);
+    for (label, shown, style) in both(comparison) {
         if !shown.free_run[1].is_empty() {
-            free = free.line(label, &run.time, &shown.free_run[1], style);
+            chart = chart.line(label, &run.time, &shown.free_run[1], style);
         }
     }
-    Figure::new("").panel(270.0, windows).panel(270.0, free)
+    Figure::new("").panel(270.0, chart)
+}
+
+fn both(comparison: &Comparison) -> [(&'static str, &Shown, Style); 2] {
+    [
+        ("before", &comparison.before, before()),
+        ("after", &comparison.after, after()),
+    ]
 }
 
 /// Times and the disc's velocity as measured; nothing where it was not.
@@ -365,10 +199,7 @@ pub fn portraits(
     let grey = Style::measured().wide(0.8);
     velocity = velocity.points("measured", &found.speed, &found.friction, Marker::Dot, grey);
     angle = angle.points("measured", &found.alpha, &found.along, Marker::Dot, grey);
-    for (label, shown, style) in [
-        ("before", &comparison.before, before()),
-        ("after", &comparison.after, after()),
-    ] {
+    for (label, shown, style) in both(comparison) {
         if !shown.free_run[1].is_empty() {
             portrait = portrait.line(
                 label,

@@ -4,6 +4,7 @@ mod candidates;
 pub(super) mod figures;
 pub(super) mod markup;
 pub(super) mod page;
+mod residuals;
 
 use crate::diagnose::case::Case;
 use crate::diagnose::finding::Finding;

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::candidates::candidates;
 use super::figures::Scaling;
 use super::markup::{capital, escape, figure, table};
+use super::residuals::{decisive, others, residuals};
 use super::{Report, figures};
 use crate::diagnose::amend::fmu_files;
 use crate::diagnose::catalogue::{Entry, entry};
@@ -12,6 +13,7 @@ use crate::diagnose::console::{answer, number, percent, readable, shown_unit};
 use crate::diagnose::finding::{Finding, Located, ParameterValue, VerdictName};
 use crate::diagnose::gap::Measures;
 use crate::diagnose::show::LEAST_FLUCTUATION;
+use crate::plot::Figure;
 use stickslip::plant::{Rig, RigKind};
 
 const STYLE: &str = include_str!("page.css");
@@ -20,10 +22,13 @@ const SCRIPT: &str = include_str!("zoom.js");
 pub fn page(report: &Report<'_>) -> String {
     let finding = report.finding;
     let scaling = &Scaling::of(report.comparison, report.case.model.rig.gearbox.ratio);
+    let mut all = residuals(report.residuals_before, report.residuals_after, scaling);
+    let (first, caption) = decisive(finding, &mut all, report.comparison, scaling);
     let mut body = String::new();
     for section in [
         head(report),
-        disagreement(report, scaling),
+        figure(&first, &caption),
+        disagreement(finding, &others(all)),
         candidates(finding),
         learned(finding),
         before_and_after(report, scaling),
@@ -123,14 +128,13 @@ fn added(finding: &Finding) -> String {
     let rows: Vec<Vec<String>> = finding
         .effects
         .iter()
-        .flat_map(|effect| &effect.parameters)
-        .map(|(symbol, value)| {
+        .flat_map(|effect| effect.parameters.values())
+        .map(|value| {
             vec![
-                symbol.clone(),
+                value.model_parameter.clone(),
                 number(value.value),
                 interval(value),
                 shown_unit(&value.unit),
-                value.model_parameter.clone(),
             ]
         })
         .collect();
@@ -143,7 +147,6 @@ fn added(finding: &Finding) -> String {
             ("value", true),
             ("95 % interval", true),
             ("unit", false),
-            ("in model.amended.toml", false),
         ],
         &rows,
     )
@@ -155,8 +158,7 @@ fn interval(value: &ParameterValue) -> String {
     })
 }
 
-fn disagreement(report: &Report<'_>, scaling: &Scaling) -> String {
-    let finding = report.finding;
+fn disagreement(finding: &Finding, others: &Figure) -> String {
     let mut text = String::from("<h2>Where model and records disagree</h2>\n");
     text.push_str(&places(
         &finding.structure,
@@ -170,14 +172,14 @@ fn disagreement(report: &Report<'_>, scaling: &Scaling) -> String {
             "With the amended model there is still structure:",
         ));
     }
-    text.push_str(&figure(
-        &figures::residuals(report.residuals_before, report.residuals_after, scaling),
-        &format!(
-            "The torque that would have to be added for the model to follow the records it learned from, in pieces of {} s \
-             while the disc slides. Dots: single pieces before. Lines: means of bins before and after.",
-            number(scaling.piece())
-        ),
-    ));
+    let _ = writeln!(
+        text,
+        "<details>\n<summary>The residual torque over all other coordinates</summary>\n{}</details>",
+        figure(
+            others,
+            "Dots: single pieces before. Lines: means of bins before and after. Torques on the disc while it slides."
+        )
+    );
     text.push_str(
         "<p class=\"hint\">Plots zoom into a rectangle drawn with the mouse, or about the pointer with Ctrl and the wheel; \
          Shift and dragging moves them, a double click shows one whole again, Escape all.</p>\n",
@@ -290,8 +292,8 @@ fn before_and_after(report: &Report<'_>, scaling: &Scaling) -> String {
         );
     }
     text.push_str(&figure(
-        &figures::time_series(report.comparison, scaling),
-        "Velocity of the disc: each window restarted from its own start, and one run from the record's start.",
+        &figures::free_run(report.comparison),
+        "Velocity of the disc in one run from the record's start.",
     ));
     text.push_str(&figure(
         &figures::portraits(report.comparison, report.residuals_held_out, scaling),

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::finding::{ErrorSize, SmallFinding};
-use crate::diagnose::console::{candidates, gain_line, number, percent, readable};
+use crate::diagnose::console::{candidates, gain_line, number, percent, readable, undecided};
 use crate::diagnose::finding::{FoundEffect, VerdictName};
 
 /// The answer in sentences, most important first.
@@ -33,15 +33,7 @@ pub fn answer(found: &SmallFinding) -> Vec<String> {
         }
         VerdictName::Named => added(&mut lines, "Missing"),
         VerdictName::Ambiguous => {
-            let names: Vec<String> = finding
-                .alternatives
-                .iter()
-                .map(|name| readable(name))
-                .collect();
-            lines.push(format!(
-                "These records cannot tell apart: {}.",
-                names.join(", ")
-            ));
+            lines.push(undecided(finding));
             added(&mut lines, "Added to the model");
         }
         VerdictName::NotInCatalogue => {

@@ -169,7 +169,7 @@ function found(app, finding) {
   nodes.push(tiles);
   if (finding.effects.length > 0) {
     nodes.push(numbers("What is missing, with its numbers", finding.effects.flatMap((effect) =>
-      Object.entries(effect.parameters).map(([symbol, value]) => [readable(effect.name), symbol, value]))));
+      Object.values(effect.parameters).map((value) => [readable(effect.name), value.model_parameter, value]))));
   }
   const refitted = Object.entries(finding.parameters);
   if (refitted.length > 0) {
