@@ -6,7 +6,6 @@ use anyhow::ensure;
 use inference::record::CHANNELS;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use workbench::cli::Outcome;
 use workbench::diagnose::material::{CaseArguments, Material};
 use workbench::diagnose::progress::{Finished, farewell};
 use workbench::diagnose::record_check::COLUMNS;
@@ -14,6 +13,7 @@ use workbench::diagnose::record_part::Part;
 use workbench::diagnose::request::{Diagnosed, Request, Stages};
 use workbench::diagnose::show::Comparison;
 use workbench::diagnose::small_plant::case as of_small_plant;
+use workbench::outcome::Outcome;
 
 use crate::arrays::{Table, bytes};
 use crate::errors::any_error;

@@ -23,6 +23,7 @@ pub mod identify;
 pub mod info;
 pub mod map;
 pub mod oscillator;
+pub mod outcome;
 pub mod plot;
 pub mod simulate;
 pub mod studio;

@@ -10,9 +10,9 @@ use build_fmu::library;
 use build_fmu::platform::{FmiVersion, Platform};
 use clap::{Args, ValueEnum};
 
-use crate::cli::Outcome;
 use crate::diagnose::small_plant::fmu::wrapper;
 use crate::diagnose::small_plant::model_file::SmallModel;
+use crate::outcome::Outcome;
 use stickslip::body::{Kind, Reader};
 
 /// Packs a model.toml and the prebuilt library into FMUs, or an FMU and the effects of its ports file into one.

@@ -12,7 +12,7 @@ use super::journal::Journal;
 use super::search::{planned, search};
 use super::target::Target;
 use super::{picture, report};
-use crate::cli::Outcome;
+use crate::outcome::Outcome;
 
 /// Set by an interrupt; the generation at work is then given up.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);

@@ -11,9 +11,9 @@ use super::arguments::ClosedLoopArguments;
 use super::run::{Case, Conditions, run};
 use super::{INTERRUPTED, picture};
 use crate::analysis::motion::Motion;
-use crate::cli::Outcome;
 use crate::files::atomic;
 use crate::map::{Point, Study, judge, make};
+use crate::outcome::Outcome;
 
 /// Every case at every speed and normal force: a row for each case and normal force.
 struct LoopMap<'a> {

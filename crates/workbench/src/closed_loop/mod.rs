@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 
-use crate::cli::Outcome;
+use crate::outcome::Outcome;
 
 /// Set by the first interrupt; the runs at work are then given up and the finished ones kept.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);

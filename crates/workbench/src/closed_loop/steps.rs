@@ -9,8 +9,8 @@ use super::arguments::ClosedLoopArguments;
 use super::run::{Case, Conditions, Samples, run};
 use super::{INTERRUPTED, picture};
 use crate::analysis::motion::{Motion, Range};
-use crate::cli::Outcome;
 use crate::files::atomic;
+use crate::outcome::Outcome;
 
 /// One run of a table over steps.
 pub(super) struct Row {

@@ -7,9 +7,9 @@ use anyhow::{Context, anyhow, ensure};
 use build_fmu::lint::{self, Package};
 use build_fmu::platform::{FmiVersion, Platform};
 
-use crate::cli::Outcome;
 use crate::component::{self, Description, Fmu};
 use crate::files::atomic::write_file;
+use crate::outcome::Outcome;
 
 /// Repeats the experiments inside the FMU and writes its files of the cross-check with what came out, `_out.csv`.
 pub(super) fn check(path: &Path, out: &Path) -> anyhow::Result<Outcome> {

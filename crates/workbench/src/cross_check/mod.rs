@@ -15,10 +15,10 @@ use build_fmu::library;
 use build_fmu::platform::FmiVersion;
 use clap::Args;
 
-use crate::cli::Outcome;
 use crate::component::{self, Role};
 use crate::files::atomic::write_file;
 use crate::files::record::Record;
+use crate::outcome::Outcome;
 use crate::simulate::{Drive, Schedule, simulate};
 
 /// Time between the rows of the reference, and the communication step of its options [s].

@@ -12,7 +12,7 @@ use super::material::{CaseArguments, Material};
 use super::progress::Progress;
 use super::session::Session;
 use super::small_plant::command::{self as small_plant, Stage};
-use crate::cli::Outcome;
+use crate::outcome::Outcome;
 
 /// Arguments of `diagnose` and of its stages.
 #[derive(Debug, Args)]

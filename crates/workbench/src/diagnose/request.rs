@@ -11,7 +11,7 @@ use super::progress::Finished;
 use super::session::{Session, check_out};
 use super::show::Comparison;
 use super::small_plant::command::{self as small_plant, Stage};
-use crate::cli::Outcome;
+use crate::outcome::Outcome;
 
 /// What is asked of which case.
 pub struct Request<'a> {

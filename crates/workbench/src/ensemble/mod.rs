@@ -18,8 +18,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context;
 
 use crate::analysis::motion::Motion;
-use crate::cli::Outcome;
 use crate::map::{Point, judge, make};
+use crate::outcome::Outcome;
 
 /// Set by the first interrupt; the rigs at work are then given up and the finished ones kept.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);

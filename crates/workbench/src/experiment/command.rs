@@ -10,8 +10,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::document::{is_generated, with_block};
 use super::{Experiment, Findings, Verdict, all};
-use crate::cli::Outcome;
 use crate::files::atomic::write_file;
+use crate::outcome::Outcome;
 
 /// Arguments of `experiment`.
 #[derive(Debug, Args)]

@@ -14,8 +14,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::Outcome;
 use crate::files::atomic;
+use crate::outcome::Outcome;
 use error::ExportError;
 use joint::{Given, Joint};
 use line::Speeds;

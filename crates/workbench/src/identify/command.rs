@@ -7,8 +7,8 @@ use clap::{Args, Subcommand};
 
 use super::{decay, static_test};
 use crate::analysis::spectrum::Spectrum;
-use crate::cli::Outcome;
 use crate::files::record::{Dialect, Record, Table};
+use crate::outcome::Outcome;
 
 /// Arguments of `identify`.
 #[derive(Debug, Args)]

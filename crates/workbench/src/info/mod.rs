@@ -11,10 +11,10 @@ use stickslip::body::{Body, is_small_plant};
 use stickslip::controller::{ControlLaw, is_controller};
 use stickslip::plant::{Definition, ModelFile, Provenance, RigKind};
 
-use crate::cli::Outcome;
 use crate::component::{
     Archive, Component, Description, FmiVersion, Fmu, Kind, Native, Role, Variable,
 };
+use crate::outcome::Outcome;
 
 /// What a model or an FMU is and has.
 #[derive(Debug, Args)]

@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context;
 
 use crate::analysis::motion::Motion;
-use crate::cli::Outcome;
+use crate::outcome::Outcome;
 
 /// Set by the first interrupt; the rows at work are then given up and the finished ones kept.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);

@@ -11,8 +11,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::grid::{Finished, run_rows};
 use super::journal::Journal;
 use super::point::Point;
-use crate::cli::Outcome;
 use crate::files::journal::JournalError;
+use crate::outcome::Outcome;
 
 /// Runs in rows, each run on its own.
 pub trait Study: Sync {

@@ -18,8 +18,8 @@ use std::time::Instant;
 
 use anyhow::Context;
 
-use crate::cli::Outcome;
 use crate::component;
+use crate::outcome::Outcome;
 
 /// Runs the subcommand: writes `result.csv`, `result.svg` and `result.png` and prints the summary.
 ///

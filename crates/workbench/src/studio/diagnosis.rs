@@ -17,13 +17,13 @@ use serde_json::{Value, json};
 use super::choices::Asked;
 use super::error::StudioError;
 use super::session::{Session, lock};
-use crate::cli::Outcome;
 use crate::diagnose::case::STACK;
 use crate::diagnose::finding;
 use crate::diagnose::material::Material;
 use crate::diagnose::progress::Finished;
 use crate::diagnose::request::{Diagnosed, Request, Stages};
 use crate::diagnose::{amend, report};
+use crate::outcome::Outcome;
 
 /// What the engine says while it tries an effect.
 const TRYING: &str = "trying ";

@@ -25,7 +25,7 @@ use std::process::{Command, Stdio};
 use anyhow::Context;
 use clap::Args;
 
-use crate::cli::Outcome;
+use crate::outcome::Outcome;
 
 pub use guard::{MOST_CHOICES, MOST_UPLOAD};
 

@@ -22,9 +22,9 @@ use super::export::{MODEL, SCRIPT};
 use super::guard::{Guard, MOST_CHOICES, MOST_UPLOAD};
 use super::session::Session;
 use super::simulate::Order;
-use crate::cli::Outcome;
 use crate::diagnose::case::STACK;
 use crate::diagnose::report;
+use crate::outcome::Outcome;
 
 /// What the page's own files are.
 const PAGE: [(&str, &str, &str); 12] = [

@@ -17,10 +17,13 @@ const BINS: usize = 24;
 const LARGE: f64 = 330.0;
 const SMALL: f64 = 250.0;
 
+/// A coordinate of residual torques.
+type Coordinate = fn(&ResidualTorque) -> f64;
+
 /// The residual torque over one coordinate.
 pub struct Residual {
-    /// What findings call the coordinate.
-    coordinates: &'static [&'static str],
+    /// What findings call the coordinate; empty where they have none such.
+    coordinate: &'static str,
     panel: Box<dyn Panel>,
 }
 
@@ -34,8 +37,8 @@ pub fn decisive(
 ) -> (Figure, String) {
     let mut significant = finding.structure.iter().filter(|place| place.significant);
     let at = significant.find_map(|place| {
-        let names = |own: &Residual| own.coordinates.contains(&place.coordinate.as_str());
-        residuals.iter().position(names)
+        let is_it = |own: &Residual| own.coordinate == place.coordinate;
+        residuals.iter().position(is_it)
     });
     let velocity =
         "the disc's velocity on the held-out record, each window restarted from its own start.";
@@ -76,58 +79,53 @@ pub fn residuals(
     };
     let (old, new) = (sliding(before_all), sliding(after_all));
     let mut all: Vec<Residual> = Vec::new();
-    let mut add = |coordinates: &'static [&'static str], chart: Chart| {
+    let mut add = |coordinate: &'static str, chart: Chart| {
         all.push(Residual {
-            coordinates,
+            coordinate,
             panel: Box::new(chart),
         });
     };
-    let on_disc: [(
-        &'static [&'static str],
-        &str,
-        &str,
-        fn(&ResidualTorque) -> f64,
-    ); 7] = [
-        (&["time"], "time [s]", "over time", |r| r.place.time),
+    let on_disc: [(&'static str, &str, &str, Coordinate); 7] = [
+        ("time", "time [s]", "over time", |r| r.place.time),
         (
-            &["speed"],
+            "speed",
             "disc velocity θ̇₂ [rad/s]",
             "over velocity",
             |r| r.place.speed,
         ),
-        (&["alpha"], "α [rad]", "over the phase-plane angle", |r| {
+        ("alpha", "α [rad]", "over the phase-plane angle", |r| {
             r.place.alpha
         }),
         (
-            &["disc_angle"],
+            "disc_angle",
             "disc angle θ₂ modulo 2π [rad]",
             "over the disc's angle",
             |r| r.place.disc_angle.rem_euclid(TAU),
         ),
         (
-            &["normal_force"],
+            "normal_force",
             "normal force N₂ [N]",
             "over the normal force",
             |r| r.place.normal_force,
         ),
         (
-            &["acceleration"],
+            "acceleration",
             "disc acceleration [rad/s²]",
             "over the acceleration",
             |r| r.place.acceleration,
         ),
         (
-            &["twist"],
+            "twist",
             "twist of the shaft θ₂ − θ₃ [rad]",
             "over the twist",
             |r| r.place.twist,
         ),
     ];
-    for (coordinates, label, title, of) in on_disc {
-        add(coordinates, over(label, title, &old, &new, of, |r| r.disc));
+    for (coordinate, label, title, of) in on_disc {
+        add(coordinate, over(label, title, &old, &new, of, |r| r.disc));
     }
     add(
-        &["motor_angle"],
+        "motor_angle",
         over(
             "motor angle η θ₃ modulo 2π [rad]",
             "torque on the gearbox output over the motor's angle",
@@ -138,7 +136,7 @@ pub fn residuals(
         ),
     );
     add(
-        &["motor_speed_and_current", "motor_time"],
+        "motor_speed_and_current",
         over(
             "velocity of the gearbox output θ̇₃ [rad/s]",
             "torque on the gearbox output over its velocity",
@@ -148,9 +146,9 @@ pub fn residuals(
             |r| r.motor,
         ),
     );
-    add(&["frequency"], frequencies(before_all, after_all, scaling));
+    add("frequency", frequencies(before_all, after_all, scaling));
     add(
-        &[],
+        "",
         Chart::new(
             Axis::new("order of the disc's angle"),
             Axis::new("amplitude [N m]"),

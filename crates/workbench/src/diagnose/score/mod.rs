@@ -30,8 +30,8 @@ use super::naming;
 use super::session::compared;
 use super::small_plant::command::{self as small_plant, Stage};
 use super::supposed;
-use crate::cli::Outcome;
 use crate::files::atomic;
+use crate::outcome::Outcome;
 
 /// Arguments of `score`.
 #[derive(Debug, Args)]

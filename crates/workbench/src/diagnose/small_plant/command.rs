@@ -18,12 +18,12 @@ use super::fmu::wrapper::{self, WrapperError};
 use super::model_file::SmallModel;
 use super::report::page;
 use super::showing::{balance, models_on_the_way, step};
-use crate::cli::Outcome;
 use crate::diagnose::amend::{FILE as AMENDED, build};
 use crate::diagnose::finding::VerdictName;
 use crate::diagnose::material::Material;
 use crate::diagnose::report::FILE as REPORT;
 use crate::files::atomic;
+use crate::outcome::Outcome;
 use inference::body::model::Model;
 use inference::body::naming::{
     MOST_EFFECTS, Naming, fit_base, fit_with, name as name_effects, shows,

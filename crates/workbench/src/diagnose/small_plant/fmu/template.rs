@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::ports::key;
-use crate::cli::Outcome;
 use crate::component::{Description, Fmu, Kind, Role, Variable};
 use crate::files::atomic;
+use crate::outcome::Outcome;
 use inference::body::term::MOST_PARAMETERS;
 
 /// Arguments of `ports`.
