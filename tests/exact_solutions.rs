@@ -30,11 +30,11 @@ fn linear(rig: &Rig<f64>, places: &[usize], voltage: f64) -> (DMatrix<f64>, DVec
     a[(CURRENT, CURRENT)] = -rig.motor.resistance / rig.motor.inductance;
     a[(CURRENT, OMEGA3)] = -rig.motor.back_emf_constant * eta / rig.motor.inductance;
     b[CURRENT] = voltage / rig.motor.inductance;
-    if let Some(outer) = &rig.outer {
+    if let Some(disc1) = &rig.disc1 {
         let (k1, c1, j1) = (
-            outer.shaft.stiffness,
-            outer.shaft.damping,
-            outer.disc.inertia,
+            disc1.shaft.stiffness,
+            disc1.shaft.damping,
+            disc1.disc.inertia,
         );
         for (row, inertia, sign) in [(OMEGA1, j1, -1.0), (OMEGA, j2, 1.0)] {
             a[(row, THETA1)] += sign * k1 / inertia;

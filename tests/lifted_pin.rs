@@ -4,7 +4,7 @@ use stickslip::integrator::{Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES};
 
 #[test]
-fn outer_disc_without_friction_starts_with_its_neighbour() {
+fn disc_d1_without_friction_starts_with_its_neighbour() {
     let text = include_str!("../modelDescription/full-rig.toml");
     let rig = Rig::<f64>::from_toml(text, "full-rig.toml").unwrap();
     let inputs = RigInputs::held(rig.voltage_for_speed(5.76), 50.0, 0.0);

@@ -7,7 +7,7 @@ mod common;
 use common::{LAWS, rig_text};
 use std::path::Path;
 use stickslip::plant::{
-    EFFECT_NAMES, ModelFile, ModelFileError, OUTER_EFFECT_NAMES, Rig, RigKind, effect_infos,
+    DISC1_EFFECT_NAMES, EFFECT_NAMES, ModelFile, ModelFileError, Rig, RigKind, effect_infos,
 };
 
 const TWO_GAUSSIAN: &str = include_str!("../modelDescription/reduced-rig-two-gaussian.toml");
@@ -62,7 +62,7 @@ fn every_law_and_effect_survives_a_round_trip() {
             assert_eq!(model, again, "{}", law.0);
         }
     }
-    for name in EFFECT_NAMES.iter().chain(OUTER_EFFECT_NAMES) {
+    for name in EFFECT_NAMES.iter().chain(DISC1_EFFECT_NAMES) {
         let mut section = format!("[{name}]\n");
         for info in effect_infos(name).unwrap() {
             let value = [0.013, 1.0, 0.5]
@@ -71,13 +71,13 @@ fn every_law_and_effect_survives_a_round_trip() {
                 .unwrap();
             section += &format!("{} = {value}\n", info.key);
         }
-        let is_outer = OUTER_EFFECT_NAMES.contains(name);
-        let text = rig_text(is_outer, common::law("coulomb"), &section);
+        let is_on_disc1 = DISC1_EFFECT_NAMES.contains(name);
+        let text = rig_text(is_on_disc1, common::law("coulomb"), &section);
         let model = ModelFile::parse(&text, name).unwrap();
         let again = ModelFile::parse(&model.to_toml(), name).unwrap();
         assert_eq!(model, again, "{name}");
-        let outer = model.rig.outer.iter();
-        let mut active = outer.flat_map(|outer| outer.effects.active());
+        let disc1 = model.rig.disc1.iter();
+        let mut active = disc1.flat_map(|disc1| disc1.effects.active());
         let first = model.rig.effects.active().first().copied();
         assert_eq!(first.or_else(|| active.next()).unwrap().0, *name);
     }

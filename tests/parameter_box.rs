@@ -119,11 +119,11 @@ fn friction_never_drives_and_never_holds_more_than_the_breakaway_torque() {
         // Karnopp's law and the switch model have a band of velocities that counts as zero; in the switch model the
         // velocity in it decays, which takes a torque of its own.
         let (band, decay) = law.band();
-        let outer = case
+        let disc1 = case
             .rig
-            .outer
+            .disc1
             .as_ref()
-            .map_or(0.0, |outer| outer.disc.inertia);
+            .map_or(0.0, |disc1| disc1.disc.inertia);
         let mut run = run(&case);
         while run.segment_end() < END {
             let (from, to) = (run.segment_start(), run.segment_end());
@@ -143,7 +143,7 @@ fn friction_never_drives_and_never_holds_more_than_the_breakaway_torque() {
                         load[0],
                         case.rig.disc.inertia,
                     ),
-                    (t[1], x[OMEGA1], run.mode().disc1, load[1], outer),
+                    (t[1], x[OMEGA1], run.mode().disc1, load[1], disc1),
                 ];
                 for (torque, omega, mode, load, inertia) in contacts {
                     if memoryless {

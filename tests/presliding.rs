@@ -173,7 +173,7 @@ fn smallest_loss(name: &str, run: &mut Simulation<f64, Rig<f64>>) -> f64 {
     let rig = *run.system();
     let presliding = rig.effects.presliding.unwrap();
     // Bristles of a contact that slides at the start are loaded up to its breakaway torque at most.
-    let levels = [Some(rig.law), rig.outer.map(|outer| outer.law)];
+    let levels = [Some(rig.law), rig.disc1.map(|disc1| disc1.law)];
     let forces = [run.inputs().normal_force[0], run.inputs().normal_force_1[0]];
     let mut taken = bristle_energy(&rig, &run.state_at(0.0));
     for ((law, force), (mode, radius)) in levels

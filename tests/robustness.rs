@@ -383,9 +383,9 @@ fn rounding_behind_a_switch_does_not_undo_it() {
         ),
         "",
     );
-    let mut outer_pin = Rig::<f64>::from_toml(common::FULL_RIG, "full-rig.toml").unwrap();
+    let mut disc1_pin = Rig::<f64>::from_toml(common::FULL_RIG, "full-rig.toml").unwrap();
     for (name, value) in [("mu_c", 0.05), ("mu_s", 0.25 / 3.0), ("omega_s", 2.4)] {
-        outer_pin
+        disc1_pin
             .set_parameter(&format!("contact1.{name}"), value)
             .unwrap();
     }
@@ -399,9 +399,9 @@ fn rounding_behind_a_switch_does_not_undo_it() {
             RigInputs::held(narrow_band.voltage_for_speed(5.76), 50.0, 0.0),
         ),
         (
-            outer_pin,
+            disc1_pin,
             RigInputs::held(
-                outer_pin.voltage_for_speed(40.0 * std::f64::consts::PI / 30.0),
+                disc1_pin.voltage_for_speed(40.0 * std::f64::consts::PI / 30.0),
                 0.0,
                 40.0,
             ),

@@ -44,7 +44,7 @@ fn moving(full: bool, law: &str) -> RigState<f64> {
 
 fn inputs(rig: &Rig<f64>) -> RigInputs<f64> {
     // The friction-coefficient law folds on the full rig when pressed harder.
-    let gentle = rig.law.name() == "two_gaussian_mu" && rig.outer.is_some();
+    let gentle = rig.law.name() == "two_gaussian_mu" && rig.disc1.is_some();
     let (force, force_1) = if gentle { (20.0, 5.0) } else { (40.0, 12.0) };
     RigInputs::held(rig.voltage_for_speed(5.76), force, force_1)
 }
@@ -329,7 +329,7 @@ fn a_run_started_over_is_a_new_one_to_the_last_bit() {
         .chain(effects)
         .chain([on_bristles]);
     for rig in rigs {
-        let start = moving(rig.outer.is_some(), rig.law.name());
+        let start = moving(rig.disc1.is_some(), rig.law.name());
         let mut anew = varied(&rig, start);
         anew.advance_to(END).unwrap();
         // The run before was another one, at rest and with the brake released on the way.

@@ -71,15 +71,15 @@ impl<'a, S: Scalar> Bodies<'a, S> {
             }),
             breakaway: [
                 rig.law.breakaway(),
-                rig.outer
+                rig.disc1
                     .as_ref()
-                    .map_or(S::ZERO, |outer| outer.law.breakaway()),
+                    .map_or(S::ZERO, |disc1| disc1.law.breakaway()),
             ],
             decay: [
                 rig.law.band().1,
-                rig.outer
+                rig.disc1
                     .as_ref()
-                    .map_or(S::ZERO, |outer| outer.law.band().1),
+                    .map_or(S::ZERO, |disc1| disc1.law.band().1),
             ],
             disturbances: [inputs.disc_torque, inputs.motor_torque],
             on_disc: OnDisc {
@@ -89,12 +89,12 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 quadratic_drag: effects.quadratic_drag.as_ref(),
                 has_bristles: effects.presliding.is_some(),
             },
-            on_disc1: rig.outer.as_ref().map(|outer| OnDisc {
-                turns: outer.effects.unbalance1.is_some()
-                    || outer.effects.normal_force_wobble1.is_some(),
-                unbalance: outer.effects.unbalance1.as_ref(),
-                viscous_drag: outer.effects.viscous_drag1.as_ref(),
-                quadratic_drag: outer.effects.quadratic_drag1.as_ref(),
+            on_disc1: rig.disc1.as_ref().map(|disc1| OnDisc {
+                turns: disc1.effects.unbalance1.is_some()
+                    || disc1.effects.normal_force_wobble1.is_some(),
+                unbalance: disc1.effects.unbalance1.as_ref(),
+                viscous_drag: disc1.effects.viscous_drag1.as_ref(),
+                quadratic_drag: disc1.effects.quadratic_drag1.as_ref(),
                 has_bristles: effects.presliding.is_some(),
             }),
             ports: ports(rig),
@@ -106,11 +106,11 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 near: mode.near[0],
                 folded: mode.folded[0],
             },
-            disc1_slip: rig.outer.as_ref().map(|outer| SlipTemplate {
-                law: &outer.law,
-                inertia: outer.disc.inertia,
-                inverse_inertia: one / outer.disc.inertia,
-                constant_torque: outer
+            disc1_slip: rig.disc1.as_ref().map(|disc1| SlipTemplate {
+                law: &disc1.law,
+                inertia: disc1.disc.inertia,
+                inverse_inertia: one / disc1.disc.inertia,
+                constant_torque: disc1
                     .effects
                     .bearing_friction1
                     .map_or(S::ZERO, |bearing| bearing.torque),
@@ -209,20 +209,20 @@ impl<'a, S: Scalar> Bodies<'a, S> {
         }
         let presliding = rig.effects.presliding.as_ref();
         let mut resisting = shaft_torque - on_disc;
-        if let (Some(outer), Some(template), Some(pin)) =
-            (&rig.outer, &self.disc1_slip, &mut jet.disc1)
+        if let (Some(disc1), Some(template), Some(pin)) =
+            (&rig.disc1, &self.disc1_slip, &mut jet.disc1)
         {
-            let mut outer_torque = outer.shaft.stiffness * (x[THETA1][k] - x[THETA][k])
-                + outer.shaft.damping * (x[OMEGA1][k] - x[OMEGA][k]);
+            let mut torque1 = disc1.shaft.stiffness * (x[THETA1][k] - x[THETA][k])
+                + disc1.shaft.damping * (x[OMEGA1][k] - x[OMEGA][k]);
             let mut on_disc1 = S::ZERO;
-            if let (Some(on_outer), Some(work)) = (&self.on_disc1, &mut jet.effects)
-                && let Some(work) = &mut work.outer
+            if let (Some(effects1), Some(work)) = (&self.on_disc1, &mut jet.effects)
+                && let Some(work) = &mut work.disc1
             {
-                outer_torque += outer.effects.shaft_torque(k, x, work);
-                let turn = on_outer.turns.then_some(&mut work.turn);
-                on_disc1 = on_outer.torque(k, mode.disc1, (&x[THETA1], &x[OMEGA1]), turn);
-                if !outer.law.is_torque() {
-                    outer.effects.vary_load(k, work, &mut pin.load);
+                torque1 += disc1.effects.shaft_torque(k, x, work);
+                let turn = effects1.turns.then_some(&mut work.turn);
+                on_disc1 = effects1.torque(k, mode.disc1, (&x[THETA1], &x[OMEGA1]), turn);
+                if !disc1.law.is_torque() {
+                    disc1.effects.vary_load(k, work, &mut pin.load);
                 }
             }
             let equations = jet
@@ -235,13 +235,13 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                     time,
                     branches: &mode.branches,
                 };
-                let (torque, shaft) = self.outer_by_equation(&at, x, equations);
+                let (torque, shaft) = self.disc1_by_equation(&at, x, equations);
                 on_disc1 += torque;
-                outer_torque += shaft;
+                torque1 += shaft;
                 pin.load[k] = self.equation_load(Contact::Disc1, &at, x, pin, equations);
             }
-            resisting -= outer_torque;
-            let outer_resisting = outer_torque - on_disc1;
+            resisting -= torque1;
+            let resisting1 = torque1 - on_disc1;
             let acceleration = match presliding {
                 Some(bristle) if mode.disc1.is_stuck() => {
                     let moved = (x[BRISTLE1][k], x[OMEGA1][k]);
@@ -249,7 +249,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                         k,
                         bristle,
                         moved,
-                        outer_resisting,
+                        resisting1,
                         self.breakaway[1],
                         template,
                         pin,
@@ -258,7 +258,7 @@ impl<'a, S: Scalar> Bodies<'a, S> {
                 _ => contact_order(
                     k,
                     mode.disc1,
-                    outer_resisting,
+                    resisting1,
                     self.breakaway[1],
                     self.decay[1],
                     template,

@@ -205,7 +205,7 @@ impl<S: Scalar> Rig<S> {
         }
         let laws = [
             ("contact", Some(&self.law)),
-            ("contact1", self.outer.as_ref().map(|outer| &outer.law)),
+            ("contact1", self.disc1.as_ref().map(|disc1| &disc1.law)),
         ];
         for (section, law) in laws {
             if let Some(law) = law.filter(|law| law.band().0.value() > 0.0) {

@@ -2,8 +2,8 @@
 
 use super::bodies::Bodies;
 use super::index::{RELAXING_TORQUE, THETA, THETA1, THETA3};
-use super::jet::{EffectJet, OuterEffectJet, TurnJet};
-use super::{OuterEffects, QuadraticDrag, STATES, Unbalance, ViscousDrag};
+use super::jet::{Disc1EffectJet, EffectJet, TurnJet};
+use super::{Disc1Effects, QuadraticDrag, STATES, Unbalance, ViscousDrag};
 use crate::friction::{ContactMode, HARMONICS, RandomFunction};
 use crate::series::{RECIPROCAL, Scalar, Series, convolution, cosine_sine};
 
@@ -163,13 +163,13 @@ impl<S: Scalar> OnDisc<'_, S> {
     }
 }
 
-impl<S: Scalar> OuterEffects<S> {
+impl<S: Scalar> Disc1Effects<S> {
     /// Coefficient `k` of what the effects add to the torque of shaft 1.
     pub(super) fn shaft_torque(
         &self,
         k: usize,
         x: &[Series<S>; STATES],
-        work: &mut OuterEffectJet<S>,
+        work: &mut Disc1EffectJet<S>,
     ) -> S {
         let Some(hardening) = &self.shaft_hardening1 else {
             return S::ZERO;
@@ -181,7 +181,7 @@ impl<S: Scalar> OuterEffects<S> {
     }
 
     /// Coefficient `k` of the load on D1 under a normal force that varies with its angle.
-    pub(super) fn vary_load(&self, k: usize, work: &mut OuterEffectJet<S>, load: &mut Series<S>) {
+    pub(super) fn vary_load(&self, k: usize, work: &mut Disc1EffectJet<S>, load: &mut Series<S>) {
         let Some(wobble) = &self.normal_force_wobble1 else {
             return;
         };

@@ -308,9 +308,9 @@ effects! {
 effects! {
     /// The effects on disc D1 of the full rig that are switched on; their equations are those on disc D2, with θ1, ω1, N1
     /// and the twist θ1 − θ2 of shaft 1.
-    OuterEffects
+    Disc1Effects
     /// Names of the effects on disc D1, as `model.toml` spells their sections.
-    OUTER_EFFECT_NAMES
+    DISC1_EFFECT_NAMES
     bearing_friction1: BearingFriction, BySeries;
     unbalance1: Unbalance, BySeries;
     viscous_drag1: ViscousDrag, BySeries;
@@ -321,5 +321,5 @@ effects! {
 
 /// Parameters of the effect `name` on either disc; `None` if there is no such effect.
 pub fn effect_infos(name: &str) -> Option<&'static [ParameterInfo]> {
-    Effects::<f64>::infos(name).or_else(|| OuterEffects::<f64>::infos(name))
+    Effects::<f64>::infos(name).or_else(|| Disc1Effects::<f64>::infos(name))
 }

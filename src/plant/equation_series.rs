@@ -146,7 +146,7 @@ impl<S: Scalar> Bodies<'_, S> {
     }
 
     /// Coefficients of the torque on D1 and of the further torque of its shaft.
-    pub fn outer_by_equation(
+    pub fn disc1_by_equation(
         &self,
         at: &At<'_, S>,
         x: &[Series<S>; STATES],

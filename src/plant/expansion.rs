@@ -114,9 +114,9 @@ impl<S: Scalar> Rig<S> {
         let wojewoda = |law: &Law<S>| matches!(law, Law::Wojewoda(_));
         wojewoda(&self.law)
             || self
-                .outer
+                .disc1
                 .as_ref()
-                .is_some_and(|outer| wojewoda(&outer.law))
+                .is_some_and(|disc1| wojewoda(&disc1.law))
     }
 
     /// Puts state and inputs into `jet`; whether effects make the load vary.
@@ -153,7 +153,7 @@ impl<S: Scalar> Rig<S> {
         let by_equation = self.equations.act_at(Port::DiscFriction);
         jet.disc.load_is_constant =
             self.start_load(inputs, time, offset, jet) && !varying && !by_equation;
-        if let (Some(outer), Some(pin)) = (&self.outer, &mut jet.disc1) {
+        if let (Some(disc1), Some(pin)) = (&self.disc1, &mut jet.disc1) {
             let constant = recentre(
                 &inputs.normal_force_1,
                 offset,
@@ -166,16 +166,16 @@ impl<S: Scalar> Rig<S> {
             {
                 equations.loads[1] = pin.load;
             }
-            scale(&mut pin.load, constant, outer.contact.radius);
+            scale(&mut pin.load, constant, disc1.contact.radius);
             pin.load_is_constant =
-                (constant || outer.law.is_torque()) && !self.equations.act_at(Port::Disc1Friction);
-            if outer.law.is_torque() {
+                (constant || disc1.law.is_torque()) && !self.equations.act_at(Port::Disc1Friction);
+            if disc1.law.is_torque() {
                 pin.load = [S::ZERO; TERMS];
                 pin.load[0] = S::constant(1.0);
             }
-            let work = jet.effects.as_mut().and_then(|work| work.outer.as_mut());
-            if let (Some(_), Some(work)) = (&outer.effects.normal_force_wobble1, work) {
-                pin.load_is_constant &= outer.law.is_torque();
+            let work = jet.effects.as_mut().and_then(|work| work.disc1.as_mut());
+            if let (Some(_), Some(work)) = (&disc1.effects.normal_force_wobble1, work) {
+                pin.load_is_constant &= disc1.law.is_torque();
                 work.base_load = pin.load;
             }
         }

@@ -27,8 +27,8 @@ struct Loop {
 /// The loops of the contacts that slide in `mode`.
 fn loops<S: Scalar>(rig: &Rig<S>, mode: &RigMode, jet: &RigJet<S>) -> impl Iterator<Item = Loop> {
     let disc = Some((&rig.law, rig.disc.inertia, &jet.disc));
-    let disc1 = (rig.outer.as_ref().zip(jet.disc1.as_deref()))
-        .map(|(outer, pin)| (&outer.law, outer.disc.inertia, pin));
+    let disc1 = (rig.disc1.as_ref().zip(jet.disc1.as_deref()))
+        .map(|(disc1, pin)| (&disc1.law, disc1.disc.inertia, pin));
     let order = jet.order;
     let modes = [mode.disc, mode.disc1];
     let contacts = [(Contact::Disc, disc), (Contact::Disc1, disc1)];

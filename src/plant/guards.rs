@@ -93,11 +93,11 @@ impl<S: Scalar> Rig<S> {
             bristle(BRISTLE),
             watcher,
         );
-        if let (Some(outer), Some(pin)) = (&self.outer, disc1.as_ref()) {
+        if let (Some(disc1), Some(pin)) = (&self.disc1, disc1.as_ref()) {
             pin_guards(
                 Contact::Disc1,
                 mode.disc1,
-                &outer.law,
+                &disc1.law,
                 &states[OMEGA1],
                 pin,
                 mode.near[1],

@@ -73,8 +73,8 @@ impl Indicators {
             groups.push((group, count, places));
             count += places;
         };
-        let outer = rig.outer.as_ref().map(|outer| (Contact::Disc1, &outer.law));
-        for (contact, law) in [(Contact::Disc, &rig.law)].into_iter().chain(outer) {
+        let disc1 = rig.disc1.as_ref().map(|disc1| (Contact::Disc1, &disc1.law));
+        for (contact, law) in [(Contact::Disc, &rig.law)].into_iter().chain(disc1) {
             // Two ends of a mode, the second branch, and the fold.
             let places = if law.two_gaussian().is_some() {
                 4
@@ -222,10 +222,10 @@ impl Indicators {
         };
         rig.watch(mode, jet, &mut search);
         let guard = search.lost.map(Indicator::Guard);
-        let outer = rig.outer.as_ref().zip(jet.disc1.as_deref());
+        let disc1 = rig.disc1.as_ref().zip(jet.disc1.as_deref());
         let pins = [
             Some((mode.disc, &rig.law, &jet.disc)),
-            outer.map(|(outer, pin)| (mode.disc1, &outer.law, pin)),
+            disc1.map(|(disc1, pin)| (mode.disc1, &disc1.law, pin)),
         ];
         let nears = mode.near;
         let fold = pins.into_iter().enumerate().find_map(|(place, pin)| {
@@ -295,8 +295,8 @@ impl<'a> Margins<'a> {
             (torque, torque / inertia.value())
         };
         let disc = pin(&rig.law, &jet.disc, rig.disc.inertia);
-        let disc1 = match (&rig.outer, &jet.disc1) {
-            (Some(outer), Some(jet)) => pin(&outer.law, jet, outer.disc.inertia),
+        let disc1 = match (&rig.disc1, &jet.disc1) {
+            (Some(disc1), Some(jet)) => pin(&disc1.law, jet, disc1.disc.inertia),
             _ => disc,
         };
         let ratio = rig.gearbox.ratio.value();

@@ -44,7 +44,7 @@ impl<S: Scalar> Rig<S> {
     /// Places of the state's components that this rig has, in the order of [`index`](super::index).
     pub fn state_places(&self) -> Vec<usize> {
         let mut places: Vec<usize> = (0..THETA1).collect();
-        let full = self.outer.is_some();
+        let full = self.disc1.is_some();
         if full {
             places.extend([THETA1, OMEGA1]);
         }
@@ -124,7 +124,7 @@ impl Rig<f64> {
             let band = self.law_of(contact).map_or(0.0, |law| law.band().0);
             if mode.contact(contact).is_stuck()
                 && velocity.abs() > band + PROBE
-                && !(contact == Contact::Disc1 && self.outer.is_none())
+                && !(contact == Contact::Disc1 && self.disc1.is_none())
                 && self.bristle(contact).is_none()
             {
                 self.set_sliding(contact, Direction::of(velocity), mode);

@@ -89,7 +89,7 @@ pub(super) struct EffectJet<S> {
     pub scratch: Series<S>,
     pub turn: TurnJet<S>,
     /// Apart, so that rigs without effects on disc D1 do not carry it.
-    pub outer: Option<Box<OuterEffectJet<S>>>,
+    pub disc1: Option<Box<Disc1EffectJet<S>>>,
     /// Apart, so that rigs without effects by equation do not carry it.
     pub equations: Option<Box<EquationJet<S>>>,
     pub second_cosine: Series<S>,
@@ -114,7 +114,7 @@ pub(super) struct TurnJet<S> {
 
 /// Series that only the effects on disc D1 need.
 #[derive(Clone, Debug)]
-pub(super) struct OuterEffectJet<S> {
+pub(super) struct Disc1EffectJet<S> {
     pub turn: TurnJet<S>,
     pub twist: Series<S>,
     pub twist_square: Series<S>,
@@ -122,7 +122,7 @@ pub(super) struct OuterEffectJet<S> {
     pub factor: Series<S>,
 }
 
-impl<S: Scalar> OuterEffectJet<S> {
+impl<S: Scalar> Disc1EffectJet<S> {
     fn new() -> Self {
         let zero = [S::ZERO; TERMS];
         Self {
@@ -151,14 +151,14 @@ impl<S: Scalar> RigJet<S> {
     pub fn new(rig: &Rig<S>) -> Self {
         let zero = [S::ZERO; TERMS];
         let effects = rig.needs_effect_series().then(|| {
-            let outer = rig.outer.as_ref();
+            let disc1 = rig.disc1.as_ref();
             Box::new(EffectJet {
                 factor: zero,
                 scratch: zero,
                 turn: TurnJet::new(),
-                outer: outer
-                    .filter(|outer| outer.effects.need_series())
-                    .map(|_| Box::new(OuterEffectJet::new())),
+                disc1: disc1
+                    .filter(|disc1| disc1.effects.need_series())
+                    .map(|_| Box::new(Disc1EffectJet::new())),
                 equations: (rig.equations.active().next())
                     .map(|_| Box::new(EquationJet::new(&rig.equations))),
                 second_cosine: zero,
@@ -180,9 +180,9 @@ impl<S: Scalar> RigJet<S> {
             states: [zero; STATES],
             disc: PinJet::new(&rig.law),
             disc1: rig
-                .outer
+                .disc1
                 .as_ref()
-                .map(|outer| Box::new(PinJet::new(&outer.law))),
+                .map(|disc1| Box::new(PinJet::new(&disc1.law))),
             motor_torque: zero,
             voltage: [S::ZERO; INPUT_TERMS],
             voltage_is_constant: true,
@@ -190,7 +190,7 @@ impl<S: Scalar> RigJet<S> {
             tangent,
             follows_tangent: false,
             fading: None,
-            slow: if rig.outer.is_some() {
+            slow: if rig.disc1.is_some() {
                 SlowMotions::Full(Box::new(SlowMotion::new()))
             } else {
                 SlowMotions::Reduced(Box::new(SlowMotion::new()))
@@ -212,10 +212,10 @@ impl<S: Scalar> RigJet<S> {
     /// Friction torques on D2, on D1 (in the full rig) and inside the motor. Their derivatives are known
     /// only of expansions to orders below those of a run.
     pub(crate) fn torques(&self) -> (&[S], Option<&[S]>, &[S]) {
-        let outer = self.disc1.as_ref();
+        let disc1 = self.disc1.as_ref();
         (
             &self.disc.torque[..=self.order],
-            outer.map(|pin| &pin.torque[..=self.order]),
+            disc1.map(|pin| &pin.torque[..=self.order]),
             &self.motor_torque[..=self.order],
         )
     }
@@ -239,8 +239,8 @@ impl<S: Scalar> RigJet<S> {
         if let Some((_, plain)) = self.motion() {
             return plain.loop_margin();
         }
-        let outer = self.disc1.as_ref().map_or(1.0, |pin| pin.slip.margin);
-        self.disc.slip.margin.min(outer)
+        let disc1 = self.disc1.as_ref().map_or(1.0, |pin| pin.slip.margin);
+        self.disc.slip.margin.min(disc1)
     }
 }
 

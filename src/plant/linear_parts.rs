@@ -42,7 +42,7 @@ impl<S: Scalar> LinearParts<S> {
     pub fn new(rig: &Rig<S>) -> Self {
         let one = S::constant(1.0);
         let ratio = rig.gearbox.ratio;
-        let outer = rig.outer.as_ref();
+        let disc1 = rig.disc1.as_ref();
         Self {
             stiffness: rig.shaft.stiffness,
             damping: rig.shaft.damping,
@@ -56,11 +56,11 @@ impl<S: Scalar> LinearParts<S> {
             back_emf: ratio * rig.motor.back_emf_constant,
             inverse_inductance: one / rig.motor.inductance,
             decay: rig.law.band().1,
-            decay_1: outer.map_or(S::ZERO, |outer| outer.law.band().1),
-            stiffness_1: outer.map_or(S::ZERO, |outer| outer.shaft.stiffness),
-            damping_1: outer.map_or(S::ZERO, |outer| outer.shaft.damping),
-            inertia_1: outer.map_or(S::ZERO, |outer| outer.disc.inertia),
-            inverse_inertia_1: outer.map_or(S::ZERO, |outer| one / outer.disc.inertia),
+            decay_1: disc1.map_or(S::ZERO, |disc1| disc1.law.band().1),
+            stiffness_1: disc1.map_or(S::ZERO, |disc1| disc1.shaft.stiffness),
+            damping_1: disc1.map_or(S::ZERO, |disc1| disc1.shaft.damping),
+            inertia_1: disc1.map_or(S::ZERO, |disc1| disc1.disc.inertia),
+            inverse_inertia_1: disc1.map_or(S::ZERO, |disc1| one / disc1.disc.inertia),
         }
     }
 }

@@ -40,6 +40,6 @@ pub use instant::{Changes, Chattering};
 pub use jet::RigJet;
 pub use mode::{Contact, Coupling, RigGuard, RigMode};
 pub use model_file::ModelFile;
-pub use rig::{Outer, Rig, RigKind, RigState, STATES, index};
+pub use rig::{Disc1, Rig, RigKind, RigState, STATES, index};
 pub use sections::{ContactRadius, Disc, Gearbox, Motor, Shaft};
 pub use sensitivity::{Sensitivities, SensitivityError, sensitivities};

@@ -2,8 +2,8 @@
 
 use super::equation::{read_effects, write_effect};
 use super::{
-    ContactRadius, Disc, EFFECT_NAMES, Effects, Gearbox, Motor, OUTER_EFFECT_NAMES, Outer,
-    OuterEffects, Rig, Shaft, effect_infos,
+    ContactRadius, DISC1_EFFECT_NAMES, Disc, Disc1, Disc1Effects, EFFECT_NAMES, Effects, Gearbox,
+    Motor, Rig, Shaft, effect_infos,
 };
 use crate::friction::{LAW_NAMES, Law};
 use crate::parameter::{ModelFileError, Provenance, SectionReader};
@@ -20,7 +20,7 @@ pub struct ModelFile {
     pub provenance: BTreeMap<String, Provenance>,
 }
 
-const OUTER_PARTS: [&str; 3] = ["disc1", "shaft1", "contact1"];
+const DISC1_PARTS: [&str; 3] = ["disc1", "shaft1", "contact1"];
 /// Sections that are no effects.
 pub(super) const SECTIONS: [&str; 9] = [
     "disc", "shaft", "gearbox", "motor", "contact", "disc1", "shaft1", "contact1", "effect",
@@ -33,7 +33,7 @@ impl ModelFile {
         let mut known = [&SECTIONS[..], EFFECT_NAMES].concat();
         // Effects on a disc that is not there are none.
         if reader.is_full() {
-            known.extend(OUTER_EFFECT_NAMES);
+            known.extend(DISC1_EFFECT_NAMES);
         }
         reader.check_sections(&known)?;
         let rig = reader.rig()?;
@@ -61,7 +61,7 @@ impl ModelFile {
                 let law = if section == "contact" {
                     self.rig.law.name()
                 } else {
-                    self.rig.outer.as_ref().map_or("", |outer| outer.law.name())
+                    self.rig.disc1.as_ref().map_or("", |disc1| disc1.law.name())
                 };
                 let _ = writeln!(text, "law = \"{law}\"");
             }
@@ -139,14 +139,14 @@ impl SectionReader<'_> {
         let shaft = Shaft::from_values(self.values("shaft", Shaft::<f64>::INFOS, &[])?)?;
         let gearbox = Gearbox::from_values(self.values("gearbox", Gearbox::<f64>::INFOS, &[])?)?;
         let motor = Motor::from_values(self.values("motor", Motor::<f64>::INFOS, &[])?)?;
-        let outer = if self.is_full() {
+        let disc1 = if self.is_full() {
             let (contact, law) = self.contact("contact1")?;
-            Some(Outer {
+            Some(Disc1 {
                 disc: Disc::from_values(self.values("disc1", Disc::<f64>::INFOS, &[])?)?,
                 shaft: Shaft::from_values(self.values("shaft1", Shaft::<f64>::INFOS, &[])?)?,
                 contact,
                 law,
-                effects: OuterEffects::default(),
+                effects: Disc1Effects::default(),
             })
         } else {
             None
@@ -158,7 +158,7 @@ impl SectionReader<'_> {
             motor,
             contact,
             law,
-            outer,
+            disc1,
             effects: Effects::default(),
             equations: read_effects(self)?,
         };
@@ -178,7 +178,7 @@ impl SectionReader<'_> {
 
     /// Whether the file describes the full rig.
     fn is_full(&self) -> bool {
-        OUTER_PARTS
+        DISC1_PARTS
             .iter()
             .any(|part| self.table.contains_key(*part))
     }

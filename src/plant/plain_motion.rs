@@ -159,11 +159,11 @@ impl<S: Scalar> Rig<S> {
         let inertias = (parts.inertia, parts.inverse_inertia);
         let root = (mode.near[0], mode.folded[0]);
         let disc = Pin::new(mode.disc, &self.law, inertias, root, &jet.disc);
-        let disc1 = match (&self.outer, &jet.disc1) {
-            (Some(outer), Some(pin)) => {
+        let disc1 = match (&self.disc1, &jet.disc1) {
+            (Some(disc1), Some(pin)) => {
                 let inertias = (parts.inertia_1, parts.inverse_inertia_1);
                 let root = (mode.near[1], mode.folded[1]);
-                Some(Pin::new(mode.disc1, &outer.law, inertias, root, pin))
+                Some(Pin::new(mode.disc1, &disc1.law, inertias, root, pin))
             }
             _ => None,
         };
@@ -178,7 +178,7 @@ impl<S: Scalar> Rig<S> {
         order: usize,
         jet: &mut RigJet<S>,
     ) {
-        if self.outer.is_some() {
+        if self.disc1.is_some() {
             self.expand_bodies::<true>(mode, inputs, order, jet);
         } else {
             self.expand_bodies::<false>(mode, inputs, order, jet);
@@ -221,11 +221,10 @@ impl<S: Scalar> Rig<S> {
                 drive += inputs.motor_torque;
             }
             if FULL && let (Some(pin), Some(pin_jet)) = (&disc1, disc1_jet.as_mut()) {
-                let outer_torque = parts.stiffness_1 * (x[THETA1][k] - x[THETA][k])
+                let torque1 = parts.stiffness_1 * (x[THETA1][k] - x[THETA][k])
                     + parts.damping_1 * (x[OMEGA1][k] - omega);
-                resisting -= outer_torque;
-                x[OMEGA1][k + 1] =
-                    pin.next_velocity(k, outer_torque, &x[THETA1], &x[OMEGA1], pin_jet);
+                resisting -= torque1;
+                x[OMEGA1][k + 1] = pin.next_velocity(k, torque1, &x[THETA1], &x[OMEGA1], pin_jet);
                 x[THETA1][k + 1] = x[OMEGA1][k] * per_next;
             }
             x[OMEGA][k + 1] = disc.next_velocity(k, resisting, &x[THETA], &x[OMEGA], disc_jet);

@@ -1,8 +1,8 @@
 //! The rig as data: parts, friction law, effects, and its flat list of parameters.
 
 use super::{
-    ContactRadius, Disc, EFFECT_NAMES, Effects, EquationEffects, Gearbox, Motor,
-    OUTER_EFFECT_NAMES, OuterEffects, Shaft, effect_infos,
+    ContactRadius, DISC1_EFFECT_NAMES, Disc, Disc1Effects, EFFECT_NAMES, Effects, EquationEffects,
+    Gearbox, Motor, Shaft, effect_infos,
 };
 use crate::friction::Law;
 use crate::parameter::{self, Parameter, ParameterError, ParameterInfo, Section};
@@ -50,7 +50,7 @@ pub enum RigKind {
 
 /// What the full rig has beyond the reduced one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outer<S> {
+pub struct Disc1<S> {
     /// Disc D1.
     pub disc: Disc<S>,
     /// Shaft between D2 and D1.
@@ -60,7 +60,7 @@ pub struct Outer<S> {
     /// Friction law of the pin on D1.
     pub law: Law<S>,
     /// Effects on D1 beyond the nominal rig.
-    pub effects: OuterEffects<S>,
+    pub effects: Disc1Effects<S>,
 }
 
 /// A rig with all its numbers.
@@ -79,7 +79,7 @@ pub struct Rig<S> {
     /// Friction law of the pin on D2.
     pub law: Law<S>,
     /// Disc D1 and its shaft and pin, if this is the full rig.
-    pub outer: Option<Outer<S>>,
+    pub disc1: Option<Disc1<S>>,
     /// Effects beyond the nominal rig.
     pub effects: Effects<S>,
     /// Effects that files describe by equations.
@@ -89,7 +89,7 @@ pub struct Rig<S> {
 impl<S: Scalar> Rig<S> {
     /// Reduced or full.
     pub fn kind(&self) -> RigKind {
-        if self.outer.is_some() {
+        if self.disc1.is_some() {
             RigKind::Full
         } else {
             RigKind::Reduced
@@ -115,12 +115,12 @@ impl<S: Scalar> Rig<S> {
             ("contact", &self.contact),
             ("contact", self.law.section()),
         ];
-        if let Some(outer) = &self.outer {
-            sections.push(("disc1", &outer.disc));
-            sections.push(("shaft1", &outer.shaft));
-            sections.push(("contact1", &outer.contact));
-            sections.push(("contact1", outer.law.section()));
-            sections.extend(outer.effects.active());
+        if let Some(disc1) = &self.disc1 {
+            sections.push(("disc1", &disc1.disc));
+            sections.push(("shaft1", &disc1.shaft));
+            sections.push(("contact1", &disc1.contact));
+            sections.push(("contact1", disc1.law.section()));
+            sections.extend(disc1.effects.active());
         }
         sections.extend(self.effects.active());
         sections
@@ -135,12 +135,12 @@ impl<S: Scalar> Rig<S> {
             ("contact", &mut self.contact),
             ("contact", self.law.section_mut()),
         ];
-        if let Some(outer) = &mut self.outer {
-            sections.push(("disc1", &mut outer.disc));
-            sections.push(("shaft1", &mut outer.shaft));
-            sections.push(("contact1", &mut outer.contact));
-            sections.push(("contact1", outer.law.section_mut()));
-            sections.extend(outer.effects.active_mut());
+        if let Some(disc1) = &mut self.disc1 {
+            sections.push(("disc1", &mut disc1.disc));
+            sections.push(("shaft1", &mut disc1.shaft));
+            sections.push(("contact1", &mut disc1.contact));
+            sections.push(("contact1", disc1.law.section_mut()));
+            sections.extend(disc1.effects.active_mut());
         }
         sections.extend(self.effects.active_mut());
         for effect in self.equations.active_mut() {
@@ -151,18 +151,18 @@ impl<S: Scalar> Rig<S> {
 
     /// Whether any effect that is on needs series of its own beside the rig's.
     pub(super) fn needs_effect_series(&self) -> bool {
-        let on_outer = self.outer.as_ref();
+        let on_disc1 = self.disc1.as_ref();
         self.effects.need_series()
-            || on_outer.is_some_and(|outer| outer.effects.need_series())
+            || on_disc1.is_some_and(|disc1| disc1.effects.need_series())
             || self.equations.active().next().is_some()
     }
 
     /// Names of all effects that this rig can have, as `model.toml` spells their sections.
     pub fn effect_names(&self) -> impl Iterator<Item = &'static str> + use<S> {
-        let outer = self.outer.as_ref().map_or(&[][..], |_| OUTER_EFFECT_NAMES);
+        let disc1 = self.disc1.as_ref().map_or(&[][..], |_| DISC1_EFFECT_NAMES);
         let known = self.equations.known();
         let by_equation: Vec<&str> = known.map(|effect| effect.definition.name()).collect();
-        EFFECT_NAMES.iter().chain(outer).copied().chain(by_equation)
+        EFFECT_NAMES.iter().chain(disc1).copied().chain(by_equation)
     }
 
     /// Switches the effect `name` on with the values that `value` gives; `None` if this rig can have no such effect.
@@ -174,16 +174,16 @@ impl<S: Scalar> Rig<S> {
         if let Some(inserted) = self.effects.insert(name, &mut value) {
             return Some(inserted);
         }
-        let outer = self.outer.as_mut();
-        let inserted = outer.and_then(|outer| outer.effects.insert(name, &mut value));
+        let disc1 = self.disc1.as_mut();
+        let inserted = disc1.and_then(|disc1| disc1.effects.insert(name, &mut value));
         inserted.or_else(|| self.equations.insert(name, value))
     }
 
     /// Switches the effect `name` off; whether it was on.
     pub fn remove_effect(&mut self, name: &str) -> bool {
-        let outer = self.outer.as_mut();
+        let disc1 = self.disc1.as_mut();
         self.effects.remove(name)
-            || outer.is_some_and(|outer| outer.effects.remove(name))
+            || disc1.is_some_and(|disc1| disc1.effects.remove(name))
             || self.equations.remove(name)
     }
 
@@ -248,8 +248,8 @@ impl<S: Scalar> Rig<S> {
     pub fn check(&self) -> Result<(), ParameterError> {
         parameter::check(&self.sections())?;
         self.law.check("contact")?;
-        if let Some(outer) = &self.outer {
-            outer.law.check("contact1")?;
+        if let Some(disc1) = &self.disc1 {
+            disc1.law.check("contact1")?;
         }
         self.check_bristles()?;
         self.check_equations()
@@ -261,7 +261,7 @@ impl<S: Scalar> Rig<S> {
         let stray = self
             .equations
             .known()
-            .find(|effect| effect.definition.port().is_outer() && self.outer.is_none());
+            .find(|effect| effect.definition.port().is_on_disc1() && self.disc1.is_none());
         let Some(effect) = stray else {
             return Ok(());
         };
@@ -283,12 +283,12 @@ impl<S: Scalar> Rig<S> {
             motor: self.motor.to_scalar(),
             contact: self.contact.to_scalar(),
             law: self.law.to_scalar(),
-            outer: self.outer.map(|outer| Outer {
-                disc: outer.disc.to_scalar(),
-                shaft: outer.shaft.to_scalar(),
-                contact: outer.contact.to_scalar(),
-                law: outer.law.to_scalar(),
-                effects: outer.effects.to_scalar(),
+            disc1: self.disc1.map(|disc1| Disc1 {
+                disc: disc1.disc.to_scalar(),
+                shaft: disc1.shaft.to_scalar(),
+                contact: disc1.contact.to_scalar(),
+                law: disc1.law.to_scalar(),
+                effects: disc1.effects.to_scalar(),
             }),
             effects: self.effects.to_scalar(),
             equations: self.equations.to_scalar(),

@@ -304,13 +304,13 @@ impl<S: Scalar> Rig<S> {
             if full {
                 x[OMEGA1][k] = s[DISC_1];
                 x[THETA1][k + 1] = s[DISC_1] * per_next;
-                let outer_torque =
+                let torque1 =
                     parts.damping_1 * (s[DISC_1] - s[DISC]) + parts.stiffness_1 * s[TWIST_1];
-                resisting -= outer_torque;
+                resisting -= torque1;
                 if let (true, Some(pin), Some(pin_jet)) =
                     (drive.driven[1], pins[1], jet.disc1.as_mut())
                 {
-                    pin.next_velocity(k, outer_torque, &x[THETA1], &x[OMEGA1], pin_jet);
+                    pin.next_velocity(k, torque1, &x[THETA1], &x[OMEGA1], pin_jet);
                     let acceleration = pin_jet.torque[k] * parts.inverse_inertia_1;
                     for j in 0..N {
                         next[j] -= from_disc1[j] * per_next * acceleration;
@@ -391,11 +391,11 @@ impl<S: Scalar> Rig<S> {
                     x[THETA1][0] = x[THETA][0] + s[TWIST_1];
                 }
                 x[THETA1][k + 1] = s[DISC_1] * per_next;
-                let outer_torque = parts.damping_1 * (s[DISC_1] - s[DISC])
+                let torque1 = parts.damping_1 * (s[DISC_1] - s[DISC])
                     + parts.stiffness_1 * (x[THETA1][k] - x[THETA][k]);
-                resisting -= outer_torque;
+                resisting -= torque1;
                 if let (Some(pin), Some(pin_jet)) = (pins[1], jet.disc1.as_mut()) {
-                    pin.reaction(k, outer_torque, &x[THETA1], &x[OMEGA1], pin_jet);
+                    pin.reaction(k, torque1, &x[THETA1], &x[OMEGA1], pin_jet);
                 }
             }
             if k == 0 {

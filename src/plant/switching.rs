@@ -11,7 +11,7 @@ impl<S: Scalar> Rig<S> {
     pub(super) fn law_of(&self, contact: Contact) -> Option<&Law<S>> {
         match contact {
             Contact::Disc => Some(&self.law),
-            Contact::Disc1 => self.outer.as_ref().map(|outer| &outer.law),
+            Contact::Disc1 => self.disc1.as_ref().map(|disc1| &disc1.law),
             Contact::Motor => None,
         }
     }
@@ -231,7 +231,7 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
             BRISTLE1 + 1
         } else if self.effects.shaft_hysteresis.is_some() {
             RELAXING_TORQUE + 1
-        } else if self.outer.is_some() {
+        } else if self.disc1.is_some() {
             OMEGA1 + 1
         } else {
             THETA1
@@ -309,8 +309,8 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
                 mode.near[0],
             );
         }
-        if let (Some(outer), Some(pin)) = (&self.outer, &jet.disc1)
-            && outer.law.has_branches()
+        if let (Some(disc1), Some(pin)) = (&self.disc1, &jet.disc1)
+            && disc1.law.has_branches()
             && matches!(mode.disc1, ContactMode::Slipping(..))
         {
             mode.near[1] = kept_sign(
@@ -348,7 +348,7 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
             (Contact::Disc, OMEGA),
             (Contact::Disc1, OMEGA1),
         ];
-        let used = if self.outer.is_some() { 3 } else { 2 };
+        let used = if self.disc1.is_some() { 3 } else { 2 };
         for &(contact, omega) in &contacts[..used] {
             let velocity = state[omega].value();
             let band = self.law_of(contact).map_or(0.0, |law| law.band().0.value());
@@ -473,7 +473,7 @@ impl<S: Scalar> HybridSystem<S> for Rig<S> {
             ContactMode::Slipping(Direction::Backward, _) => "slipping backward",
         };
         let mut text = format!("disc D2 {}, motor {}", word(mode.disc), word(mode.motor));
-        if self.outer.is_some() {
+        if self.disc1.is_some() {
             text.push_str(&format!(", disc D1 {}", word(mode.disc1)));
         }
         if self.effects.backlash.is_some() {

@@ -23,9 +23,9 @@ fn stored_energy(rig: &Rig<f64>, x: &RigState<f64>) -> f64 {
         + 0.5 * motor_inertia * x[OMEGA3].powi(2)
         + 0.5 * rig.motor.inductance * x[CURRENT].powi(2)
         + 0.5 * rig.shaft.stiffness * (x[THETA] - x[THETA3]).powi(2);
-    if let Some(outer) = &rig.outer {
-        energy += 0.5 * outer.disc.inertia * x[OMEGA1].powi(2)
-            + 0.5 * outer.shaft.stiffness * (x[THETA1] - x[THETA]).powi(2);
+    if let Some(disc1) = &rig.disc1 {
+        energy += 0.5 * disc1.disc.inertia * x[OMEGA1].powi(2)
+            + 0.5 * disc1.shaft.stiffness * (x[THETA1] - x[THETA]).powi(2);
     }
     energy
 }
@@ -40,8 +40,8 @@ fn net_power(rig: &Rig<f64>, voltage: f64, x: &RigState<f64>, torques: [f64; 3])
         - rig.shaft.damping * (x[OMEGA] - x[OMEGA3]).powi(2)
         - torques[0] * x[OMEGA]
         - torques[2] * x[OMEGA3];
-    if let Some(outer) = &rig.outer {
-        power -= outer.shaft.damping * (x[OMEGA1] - x[OMEGA]).powi(2) + torques[1] * x[OMEGA1];
+    if let Some(disc1) = &rig.disc1 {
+        power -= disc1.shaft.damping * (x[OMEGA1] - x[OMEGA]).powi(2) + torques[1] * x[OMEGA1];
     }
     power
 }

@@ -49,7 +49,7 @@ const PARTS: &str = "[disc]\ninertia = 0.0149\n[shaft]\nstiffness = 0.3482\ndamp
 [gearbox]\nratio = 8.0\n[motor]\ninertia = 5.18e-5\nresistance = 0.33\ninductance = 8.437e-4\n\
 torque_constant = 0.126\nback_emf_constant = 0.0602\ncoulomb_torque = 0.1196\nviscous_damping = 1.784e-4\n";
 
-const OUTER_PARTS: &str =
+const DISC1_PARTS: &str =
     "[disc1]\ninertia = 0.0288\n[shaft1]\nstiffness = 2.905\ndamping = 0.0214\n";
 
 /// Text of a rig with this law on its pins (on both for the full rig) and these extra sections.
@@ -60,7 +60,7 @@ pub fn rig_text(full: bool, law: (&str, &str), extra: &str) -> String {
     );
     if full {
         text += &format!(
-            "{OUTER_PARTS}[contact1]\nradius = 0.089\nlaw = \"{}\"\n{}\n",
+            "{DISC1_PARTS}[contact1]\nradius = 0.089\nlaw = \"{}\"\n{}\n",
             law.0, law.1
         );
     }

@@ -286,11 +286,11 @@ impl Walk {
 }
 
 /// Puts the attributes of an FMI 2 type element into the variable or type around it.
-fn merge(outer: Option<&mut Variable>, kind: &str, inner: Attributes) {
-    if let Some(outer) = outer {
-        kind.clone_into(&mut outer.kind);
+fn merge(disc1: Option<&mut Variable>, kind: &str, inner: Attributes) {
+    if let Some(disc1) = disc1 {
+        kind.clone_into(&mut disc1.kind);
         for (name, value) in inner {
-            outer.attributes.entry(name).or_insert(value);
+            disc1.attributes.entry(name).or_insert(value);
         }
     }
 }

@@ -16,13 +16,13 @@ pub fn deflect_bristles<S: Scalar>(rig: &Rig<S>, state: &mut RigState<S>) {
         Some(presliding) if velocity.value() == 0.0 => further - pull / presliding.stiffness,
         _ => S::ZERO,
     };
-    if let Some(outer) = &rig.outer {
+    if let Some(disc1) = &rig.disc1 {
         let twist = state[index::THETA1] - state[index::THETA];
         let slip = state[index::OMEGA1] - state[index::OMEGA];
-        let outer_pull = outer.shaft.stiffness * twist + outer.shaft.damping * slip;
-        pull -= outer_pull;
+        let disc1_pull = disc1.shaft.stiffness * twist + disc1.shaft.damping * slip;
+        pull -= disc1_pull;
         state[index::BRISTLE1] =
-            deflected(state[index::BRISTLE1], state[index::OMEGA1], outer_pull);
+            deflected(state[index::BRISTLE1], state[index::OMEGA1], disc1_pull);
     }
     state[index::BRISTLE] = deflected(state[index::BRISTLE], state[index::OMEGA], pull);
 }

@@ -35,7 +35,7 @@ enum Base {
     /// Stiffness of the shaft over the square of its twist.
     StiffnessOverTwistSquared,
     /// The same of shaft 1.
-    OuterStiffnessOverTwistSquared,
+    Shaft1StiffnessOverTwistSquared,
     /// Twist of the shaft by the friction torque.
     Twist,
     /// Friction torque on the motor's side.
@@ -291,7 +291,7 @@ impl Effect {
                 .collect(),
             Form::Bristles if base.rig.law.band().0 > 0.0 || scales.load == 0.0 => Vec::new(),
             // Of the bristles on D1 windows have no start that could be fitted.
-            Form::Bristles if base.rig.outer.is_some() => Vec::new(),
+            Form::Bristles if base.rig.disc1.is_some() => Vec::new(),
             // Bristles that give way by less than can be read are none.
             Form::Bristles => {
                 let stiffest = scales.torque / scales.resolution;
@@ -347,8 +347,8 @@ fn size(base: Base, scales: &Scales, rig: &Rig<f64>) -> f64 {
         Base::TorqueOverSpeed => torque / speed,
         Base::TorqueOverSpeedSquared => torque / (speed * speed),
         Base::StiffnessOverTwistSquared => 1.0 / (torque * torque),
-        Base::OuterStiffnessOverTwistSquared => {
-            let stiffness = rig.outer.map_or(0.0, |outer| outer.shaft.stiffness);
+        Base::Shaft1StiffnessOverTwistSquared => {
+            let stiffness = rig.disc1.map_or(0.0, |disc1| disc1.shaft.stiffness);
             stiffness.powi(3) / (torque * torque)
         }
         Base::Twist => torque,

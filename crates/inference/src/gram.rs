@@ -149,7 +149,7 @@ pub fn window_gram<const N: usize>(
     let per_piece =
         ((seen.pieces.length / run.interval()).round() as usize).clamp(1, samples.max(1));
     let pieces = samples.div_ceil(per_piece);
-    let is_full = rig.outer.is_some();
+    let is_full = rig.disc1.is_some();
     let slots = Slots {
         starts: starts_of(rig),
         free,
@@ -318,7 +318,7 @@ fn start_on_measured_branch<const N: usize>(
     accelerations: &[f64; 2],
 ) -> Result<(), IntegrationError> {
     let rig = simulation.system();
-    let laws = [Some(rig.law), rig.outer.map(|outer| outer.law)];
+    let laws = [Some(rig.law), rig.disc1.map(|disc1| disc1.law)];
     let mut mode = *simulation.mode();
     let mut is_changed = false;
     for (place, contact) in [Contact::Disc, Contact::Disc1].into_iter().enumerate() {

@@ -136,7 +136,7 @@ fn friction(
     rig: &Rig<f64>,
     [angle, speed, acceleration]: [f64; 3],
 ) -> Option<Point> {
-    let Traces { gear, outer, .. } = &run.traces;
+    let Traces { gear, disc1, .. } = &run.traces;
     let per_coefficient = rig.contact.radius * run.normal_force[at];
     if per_coefficient <= 0.0 {
         return None;
@@ -146,9 +146,9 @@ fn friction(
     state[index::OMEGA] = speed;
     state[index::THETA3] = gear.angle[at];
     state[index::OMEGA3] = gear.velocity[at];
-    if let Some(outer) = outer {
-        state[index::THETA1] = outer.disc.angle[at];
-        state[index::OMEGA1] = outer.disc.velocity[at];
+    if let Some(disc1) = disc1 {
+        state[index::THETA1] = disc1.disc.angle[at];
+        state[index::OMEGA1] = disc1.disc.velocity[at];
     }
     let force_1 = run.normal_force_1.get(at).copied().unwrap_or(0.0);
     let inputs = RigInputs::held(run.voltage[at], run.normal_force[at], force_1);

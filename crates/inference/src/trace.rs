@@ -41,7 +41,7 @@ pub enum Motion {
 
 /// Disc D1 of the full rig.
 #[derive(Clone, Debug, Default)]
-pub struct OuterTraces {
+pub struct Disc1Traces {
     /// The disc.
     pub disc: Trace,
     /// How it moves at each sample.
@@ -60,15 +60,15 @@ pub struct Traces {
     /// Speed that the motion hardly exceeds.
     pub speed: f64,
     /// Disc D1, in the full rig.
-    pub outer: Option<OuterTraces>,
+    pub disc1: Option<Disc1Traces>,
 }
 
 impl Traces {
     /// Whether the readings tell how every disc moves about a sample.
     #[must_use]
     pub fn is_clear(&self, at: usize) -> bool {
-        let outer = self.outer.as_ref().map(|outer| outer.motion[at]);
-        self.motion[at] != Motion::Unclear && outer != Some(Motion::Unclear)
+        let disc1 = self.disc1.as_ref().map(|disc1| disc1.motion[at]);
+        self.motion[at] != Motion::Unclear && disc1 != Some(Motion::Unclear)
     }
 }
 
@@ -101,7 +101,7 @@ pub(crate) fn traces(run: &Run, rig: &Rig<f64>, instruments: &Instruments) -> Tr
         normal_force: &run.normal_force,
     };
     let motion = motions(&disc, is_measured, &sensed);
-    let outer = rig.outer.as_ref().map(|outer| {
+    let disc1 = rig.disc1.as_ref().map(|disc1| {
         let sensed = Sensed {
             angle: channel::THETA1,
             velocity: channel::OMEGA1,
@@ -110,18 +110,18 @@ pub(crate) fn traces(run: &Run, rig: &Rig<f64>, instruments: &Instruments) -> Tr
         let measured = body(run, sensed.angle, sensed.velocity, instruments);
         let is_measured = measured.is_some();
         let disc = measured.unwrap_or_else(|| {
-            let period = (outer.disc.inertia / outer.shaft.stiffness).sqrt();
+            let period = (disc1.disc.inertia / disc1.shaft.stiffness).sqrt();
             carried(&disc, speed, period)
         });
         let motion = motions(&disc, is_measured, &sensed);
-        OuterTraces { disc, motion }
+        Disc1Traces { disc, motion }
     });
     Traces {
         disc,
         gear,
         motion,
         speed,
-        outer,
+        disc1,
     }
 }
 

@@ -40,13 +40,13 @@ pub const START_COMPONENTS: [usize; 9] = [
 /// Number of those components.
 pub const STARTS: usize = START_COMPONENTS.len();
 /// Those of them, at the end, that only the full rig has.
-const OUTER_STARTS: usize = 2;
+const DISC1_STARTS: usize = 2;
 
 /// Number of the components, from the first, that windows of this rig start from.
 #[must_use]
 pub fn starts_of<S: Scalar>(rig: &Rig<S>) -> usize {
     match rig.kind() {
-        RigKind::Reduced => STARTS - OUTER_STARTS,
+        RigKind::Reduced => STARTS - DISC1_STARTS,
         RigKind::Full => STARTS,
     }
 }
@@ -257,23 +257,23 @@ impl Cut {
             }
         };
         let seen = run.has(channel::THETA) || !run.has(channel::OMEGA);
-        let (mut outer_angle, mut outer_velocity, mut outer_acceleration) = (EXACT, EXACT, 0.0);
-        if let Some(outer) = &traces.outer {
-            let stuck = outer.motion[first] == Motion::Stuck;
-            let disc1 = &outer.disc;
+        let (mut disc1_angle, mut disc1_velocity, mut disc1_acceleration) = (EXACT, EXACT, 0.0);
+        if let Some(disc1) = &traces.disc1 {
+            let stuck = disc1.motion[first] == Motion::Stuck;
+            let disc1 = &disc1.disc;
             anchor[index::THETA1] = disc1.angle[first];
             anchor[index::OMEGA1] = if stuck { 0.0 } else { disc1.velocity[first] };
-            outer_acceleration = disc1.acceleration[first];
+            disc1_acceleration = disc1.acceleration[first];
             let seen = run.has(channel::THETA1) || !run.has(channel::OMEGA1);
-            outer_angle = angle(seen, disc1.angle_deviation[first], 0.3);
-            outer_velocity = velocity(stuck, disc1.velocity_deviation);
+            disc1_angle = angle(seen, disc1.angle_deviation[first], 0.3);
+            disc1_velocity = velocity(stuck, disc1.velocity_deviation);
         }
         Window {
             run: run_index,
             first,
             last,
             anchor,
-            accelerations: [disc.acceleration[first], outer_acceleration],
+            accelerations: [disc.acceleration[first], disc1_acceleration],
             deviations: [
                 angle(seen, disc.angle_deviation[first], 0.3),
                 velocity(stuck, disc.velocity_deviation),
@@ -282,8 +282,8 @@ impl Cut {
                 self.current,
                 0.1 * twist,
                 0.003 * twist,
-                outer_angle,
-                outer_velocity,
+                disc1_angle,
+                disc1_velocity,
             ],
             load,
         }

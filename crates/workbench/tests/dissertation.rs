@@ -229,8 +229,8 @@ fn transitions_that_make_no_sense_are_refused() {
             .to_string();
         assert!(message.contains(word), "{message}");
     }
-    let outer = text.replacen("sticking = true", "sticking = true\ndisc = \"D1\"", 1);
-    let message = Target::parse(&outer, "t.toml", &rig)
+    let disc1 = text.replacen("sticking = true", "sticking = true\ndisc = \"D1\"", 1);
+    let message = Target::parse(&disc1, "t.toml", &rig)
         .unwrap_err()
         .to_string();
     assert!(message.contains("[disc1]"), "{message}");

@@ -11,7 +11,7 @@ pub(super) fn influences(rig: &Rig<f64>, unknown: Signal) -> Vec<Quantity<Signal
         BRISTLE, BRISTLE1, CURRENT, OMEGA, OMEGA1, OMEGA3, RELAXING_TORQUE, THETA, THETA1, THETA3,
     };
     let effects = &rig.effects;
-    let full = rig.outer.is_some();
+    let full = rig.disc1.is_some();
     let state = |place: usize| Quantity::Signal(Signal::State(place));
     let input = |channel: Channel| Quantity::Input(channel as usize);
     let mut known = Vec::new();

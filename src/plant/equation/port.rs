@@ -89,7 +89,7 @@ impl Port {
     }
 
     /// Whether only the full rig has it.
-    pub fn is_outer(self) -> bool {
+    pub fn is_on_disc1(self) -> bool {
         matches!(
             self,
             Self::Disc1Torque | Self::Shaft1Torque | Self::Disc1Friction

@@ -82,7 +82,7 @@ impl<S: Scalar> EquationEffects<S> {
         work: &mut EquationJet<S>,
     ) -> S {
         self.in_si(&mut coordinates, port);
-        let disc = usize::from(port.is_outer());
+        let disc = usize::from(port.is_on_disc1());
         work.unvaried[disc][k] = load;
         let mut product: &Series<S> = &work.unvaried[disc];
         let jets = work.jets.iter_mut().zip(&mut work.products);

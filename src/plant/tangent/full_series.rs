@@ -35,7 +35,7 @@ impl<S: Scalar> Rig<S> {
             &mut tangent.jet,
         );
         tangent.linearise(mode, inputs, (order, order + 1), jet);
-        if tangent.rig.outer.is_some() {
+        if tangent.rig.disc1.is_some() {
             tangent.vary::<true>(mode, order, jet);
         } else {
             tangent.vary::<false>(mode, order, jet);

@@ -53,13 +53,13 @@ impl<S: Scalar> Tangent<S> {
     /// The plain counterpart of `rig`, whose effects must not act on the motion.
     pub fn new(rig: &Rig<S>, parts: &LinearParts<S>) -> Self {
         let plain = rig.to_scalar();
-        let outer = rig.outer.as_ref().map_or(&rig.law, |outer| &outer.law);
+        let disc1 = rig.disc1.as_ref().map_or(&rig.law, |disc1| &disc1.law);
         Self {
             jet: RigJet::new(&plain),
             rig: plain,
             pins: [
                 PinTangent::new(&rig.law, rig.bearing_torque()),
-                PinTangent::new(outer, S::ZERO),
+                PinTangent::new(disc1, S::ZERO),
             ],
             forcing: Box::new([[S::ZERO; TERMS]; ROWS]),
             accelerations: Box::new([[S::ZERO; TERMS]; 2]),
@@ -143,7 +143,7 @@ impl<S: Scalar> Tangent<S> {
     /// Time [s] in which the last terms of the derivatives up to order `top` stay below [`Self::accuracy`], their size
     /// judged by the first `terms` at time `step`.
     fn reach_of(&self, top: usize, terms: usize, step: f64, jet: &RigJet<S>) -> f64 {
-        let (rates, angles): (&[usize], &[usize]) = if self.rig.outer.is_some() {
+        let (rates, angles): (&[usize], &[usize]) = if self.rig.disc1.is_some() {
             (&[OMEGA, OMEGA3, CURRENT, OMEGA1], &[THETA, THETA3, THETA1])
         } else {
             (&[OMEGA, OMEGA3, CURRENT], &[THETA, THETA3])
@@ -197,7 +197,7 @@ impl<S: Scalar> Tangent<S> {
         jet: &RigJet<S>,
     ) {
         self.collect(mode, top, known);
-        let used = if self.rig.outer.is_some() {
+        let used = if self.rig.disc1.is_some() {
             &[ON_DISC, ON_MOTOR, ON_CIRCUIT, ON_DISC_1][..]
         } else {
             &[ON_DISC, ON_MOTOR, ON_CIRCUIT][..]
@@ -223,12 +223,12 @@ impl<S: Scalar> Tangent<S> {
                 .add_to(ON_DISC, top, &self.motion, &mut self.forcing);
             self.forcing[ON_DISC][0] += S::combined([(parts.inverse_inertia, &inputs.disc_torque)]);
         }
-        if let (Some(outer), Some(plain), Some(load)) =
-            (&self.rig.outer, &self.jet.disc1, &jet.disc1)
+        if let (Some(disc1), Some(plain), Some(load)) =
+            (&self.rig.disc1, &self.jet.disc1, &jet.disc1)
         {
             let segment = PinSegment {
                 mode: mode.disc1,
-                law: &outer.law,
+                law: &disc1.law,
                 inverse_inertia: parts.inverse_inertia_1,
                 theta: &x[THETA1],
                 omega: &x[OMEGA1],

@@ -434,7 +434,7 @@ fn shaft_accelerations<S: Scalar, const N: usize>(
         (-parts.damping, &motor),
     ]);
     if N > DISC_1 {
-        let outer = S::combined([
+        let disc1 = S::combined([
             (parts.stiffness_1, &s[TWIST_1]),
             (parts.damping_1, &s[DISC_1]),
             (-parts.damping_1, &s[DISC]),
@@ -442,9 +442,9 @@ fn shaft_accelerations<S: Scalar, const N: usize>(
         [
             S::combined([
                 (-parts.inverse_inertia, &shaft),
-                (parts.inverse_inertia, &outer),
+                (parts.inverse_inertia, &disc1),
             ]),
-            S::combined([(-parts.inverse_inertia_1, &outer)]),
+            S::combined([(-parts.inverse_inertia_1, &disc1)]),
         ]
     } else {
         [S::combined([(-parts.inverse_inertia, &shaft)]), S::ZERO]

@@ -58,8 +58,8 @@ impl Rigs {
 
     fn native(&self) -> Simulation<f64, Rig<f64>> {
         let inputs = self.inputs();
-        let outer = inputs.get(2).map_or(0.0, |(_, force)| *force);
-        let inputs = RigInputs::held(inputs[0].1, NORMAL_FORCE, outer);
+        let disc1 = inputs.get(2).map_or(0.0, |(_, force)| *force);
+        let inputs = RigInputs::held(inputs[0].1, NORMAL_FORCE, disc1);
         Simulation::new(
             self.rig,
             Options::default(),

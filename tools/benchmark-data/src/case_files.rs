@@ -147,7 +147,7 @@ impl Case for PlannedCase {
                     excitation: &run.excitation,
                     samples: &samples,
                     effects: &case.rig.effects,
-                    outer_effects: None,
+                    disc1_effects: None,
                     instruments: &instruments,
                     sensors: self.measured.sensors,
                     interval: SAMPLE_INTERVAL,

@@ -18,7 +18,7 @@ pub struct Excitation {
     /// Mean normal force at the pin [N].
     pub normal_force: Vec<f64>,
     /// Mean normal force at the pin of disc D1 [N]; empty without one.
-    pub outer_force: Vec<f64>,
+    pub disc1_force: Vec<f64>,
 }
 
 /// One run of a case.

@@ -80,7 +80,7 @@ pub fn true_rig(answer: &Answer) -> Result<TrueRig, MakerError> {
         parameters: NOMINAL.scaled(&answer.parameter_ratio),
         law: law.with_level(level.copied().unwrap_or(1.0)),
         effects: Effects::from_answers(&answer.effects)?,
-        outer: None,
+        disc1: None,
     })
 }
 

@@ -20,11 +20,11 @@ pub enum Purpose {
     /// Instruments.
     Instruments,
     /// Disc D1.
-    OuterDisc,
+    Disc1,
     /// How far the analyst is off about disc D1.
-    OuterRatios,
+    Disc1Ratios,
     /// Friction law of disc D1.
-    OuterLaw,
+    Disc1Law,
     /// Friction law of the attempt with this index.
     Law(u64),
     /// Inputs of the attempt with this index.
@@ -49,9 +49,9 @@ impl Stream {
             Purpose::Contact(run) => 200 + run,
             Purpose::Rig => 2,
             Purpose::Instruments => 3,
-            Purpose::OuterDisc => 4,
-            Purpose::OuterRatios => 5,
-            Purpose::OuterLaw => 6,
+            Purpose::Disc1 => 4,
+            Purpose::Disc1Ratios => 5,
+            Purpose::Disc1Law => 6,
             Purpose::Law(attempt) => 1_000_000 + attempt,
             Purpose::Inputs(attempt) => 2_000_000 + attempt,
         });

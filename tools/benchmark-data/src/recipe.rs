@@ -241,7 +241,7 @@ impl Recipe {
                 parameters: NOMINAL.scaled(&ratios),
                 law: law.with_level(level),
                 effects: hidden,
-                outer: None,
+                disc1: None,
             },
             believed_law,
             runs: draw_runs(

@@ -48,7 +48,7 @@ pub struct Recording<'a> {
     /// What is hidden on disc D2 and elsewhere.
     pub effects: &'a Effects,
     /// What is hidden on disc D1.
-    pub outer_effects: Option<&'a Effects>,
+    pub disc1_effects: Option<&'a Effects>,
     /// The instruments.
     pub instruments: &'a Instruments,
     /// Which of them there are.
@@ -185,19 +185,19 @@ impl Recording<'_> {
                 speed(of(&|k| samples[k].state.current), tools.current, stream),
             ),
         ];
-        if let Some(outer) = self.outer_effects {
-            let outer_force = force(&self.excitation.outer_force, outer.cell_bias, stream);
-            columns.insert(3, ("N1", fine(tools.normal_force), outer_force));
+        if let Some(disc1) = self.disc1_effects {
+            let disc1_force = force(&self.excitation.disc1_force, disc1.cell_bias, stream);
+            columns.insert(3, ("N1", fine(tools.normal_force), disc1_force));
             columns.push((
                 "theta1",
                 fine(disc_step) + 1,
-                angle(of(&|k| samples[k].state.outer_angle), disc_step, stream),
+                angle(of(&|k| samples[k].state.disc1_angle), disc_step, stream),
             ));
             columns.push((
                 "theta1_dot",
                 fine(tools.disc_speed),
                 speed(
-                    of(&|k| samples[k].state.outer_speed),
+                    of(&|k| samples[k].state.disc1_speed),
                     tools.disc_speed,
                     stream,
                 ),

@@ -27,12 +27,12 @@ pub struct TrueRig {
     /// Hidden effects; those of a disc act on disc D2.
     pub effects: Effects,
     /// Disc D1, which hangs on D2; `None`: the reduced rig.
-    pub outer: Option<OuterDisc>,
+    pub disc1: Option<Disc1>,
 }
 
 /// Disc D1 of the full rig with its shaft and its pin.
 #[derive(Debug, Clone, PartialEq)]
-pub struct OuterDisc {
+pub struct Disc1 {
     /// Inertia J1 [kg m²].
     pub inertia: f64,
     /// Torsional stiffness k1 between the discs [N m/rad].
@@ -61,9 +61,9 @@ pub struct State {
     /// Armature current [A].
     pub current: f64,
     /// Angle of disc D1 [rad].
-    pub outer_angle: f64,
+    pub disc1_angle: f64,
     /// Speed of disc D1 [rad/s].
-    pub outer_speed: f64,
+    pub disc1_speed: f64,
 }
 
 /// One sample as ideal instruments would see it.
@@ -84,7 +84,7 @@ pub struct Simulator<'rig> {
     rig: &'rig TrueRig,
     numerics: &'rig Numerics,
     disc: DiscMotion<'rig>,
-    outer: Option<DiscMotion<'rig>>,
+    disc1: Option<DiscMotion<'rig>>,
     gearbox_angle: f64,
     gearbox_speed: f64,
     current: f64,
@@ -111,7 +111,7 @@ impl<'rig> Simulator<'rig> {
         contact_noise: Stream,
     ) -> Self {
         let delay_steps = (rig.effects.delay / numerics.step).round() as usize;
-        let outer_noise = contact_noise.clone();
+        let disc1_noise = contact_noise.clone();
         let around = Surroundings {
             inertia: rig.parameters.disc_inertia,
             radius: rig.parameters.contact_radius,
@@ -119,21 +119,21 @@ impl<'rig> Simulator<'rig> {
             effects: &rig.effects,
             numerics,
         };
-        let outer = rig.outer.as_ref().map(|outer| {
+        let disc1 = rig.disc1.as_ref().map(|disc1| {
             let around = Surroundings {
-                inertia: outer.inertia,
-                radius: outer.contact_radius,
-                law: &outer.law,
-                effects: &outer.effects,
+                inertia: disc1.inertia,
+                radius: disc1.contact_radius,
+                law: &disc1.law,
+                effects: &disc1.effects,
                 numerics,
             };
-            DiscMotion::new(around, state.outer_angle, state.outer_speed, outer_noise)
+            DiscMotion::new(around, state.disc1_angle, state.disc1_speed, disc1_noise)
         });
         Self {
             rig,
             numerics,
             disc: DiscMotion::new(around, state.disc_angle, state.disc_speed, contact_noise),
-            outer,
+            disc1,
             gearbox_angle: state.gearbox_angle,
             gearbox_speed: state.gearbox_speed,
             current: state.current,
@@ -152,7 +152,7 @@ impl<'rig> Simulator<'rig> {
         let mut samples = Vec::with_capacity(excitation.voltage.len());
         for (index, &voltage) in excitation.voltage.iter().enumerate() {
             let force = excitation.normal_force.get(index).copied().unwrap_or(0.0);
-            let outer_force = excitation.outer_force.get(index).copied().unwrap_or(0.0);
+            let disc1_force = excitation.disc1_force.get(index).copied().unwrap_or(0.0);
             samples.push(self.sample());
             if !self.disc.speed.is_finite() {
                 return Err(MakerError::Diverged {
@@ -161,7 +161,7 @@ impl<'rig> Simulator<'rig> {
                 });
             }
             for _ in 0..self.numerics.steps_per_sample {
-                self.step(voltage, force, outer_force);
+                self.step(voltage, force, disc1_force);
             }
         }
         Ok(samples)
@@ -180,8 +180,8 @@ impl<'rig> Simulator<'rig> {
                 gearbox_angle: self.gearbox_angle,
                 gearbox_speed: self.gearbox_speed,
                 current: self.current,
-                outer_angle: self.outer.as_ref().map_or(0.0, |disc| disc.angle),
-                outer_speed: self.outer.as_ref().map_or(0.0, |disc| disc.speed),
+                disc1_angle: self.disc1.as_ref().map_or(0.0, |disc| disc.angle),
+                disc1_speed: self.disc1.as_ref().map_or(0.0, |disc| disc.speed),
             },
             seen_disc_angle,
             seen_disc_speed,
@@ -189,16 +189,16 @@ impl<'rig> Simulator<'rig> {
         }
     }
 
-    fn step(&mut self, voltage: f64, force: f64, outer_force: f64) {
+    fn step(&mut self, voltage: f64, force: f64, disc1_force: f64) {
         let half = 0.5 * self.numerics.step;
         self.drift(half);
         let shaft = self.shaft_torque();
-        let outer_shaft = self.outer_shaft_torque();
+        let disc1_shaft = self.disc1_shaft_torque();
         self.kick_motor(voltage, shaft);
         let time = self.time;
-        if let Some(outer) = &mut self.outer {
-            outer.kick(-outer_shaft, outer_force, time);
-            self.disc.kick(outer_shaft - shaft, force, time);
+        if let Some(disc1) = &mut self.disc1 {
+            disc1.kick(-disc1_shaft, disc1_force, time);
+            self.disc.kick(disc1_shaft - shaft, force, time);
         } else {
             self.disc.kick(-shaft, force, time);
         }
@@ -211,16 +211,16 @@ impl<'rig> Simulator<'rig> {
 
     fn drift(&mut self, time: f64) {
         self.disc.drift(time);
-        if let Some(outer) = &mut self.outer {
-            outer.drift(time);
+        if let Some(disc1) = &mut self.disc1 {
+            disc1.drift(time);
         }
         self.gearbox_angle += time * self.gearbox_speed;
         self.time += time;
     }
 
     /// Torque that shaft 1 takes from disc D1 and gives to D2 [N m].
-    fn outer_shaft_torque(&self) -> f64 {
-        let (Some(part), Some(disc)) = (&self.rig.outer, &self.outer) else {
+    fn disc1_shaft_torque(&self) -> f64 {
+        let (Some(part), Some(disc)) = (&self.rig.disc1, &self.disc1) else {
             return 0.0;
         };
         let twist = disc.angle - self.disc.angle;

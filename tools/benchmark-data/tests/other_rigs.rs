@@ -166,9 +166,9 @@ fn two_discs_swing_at_the_frequencies_of_the_pair() {
         ..OtherCase::default()
     };
     let mut drawn = case.draw().unwrap();
-    let outer = drawn.truth.outer.as_mut().unwrap();
-    outer.shaft_damping = 0.0;
-    let (inertia1, stiffness1) = (outer.inertia, outer.shaft_stiffness);
+    let disc1 = drawn.truth.disc1.as_mut().unwrap();
+    disc1.shaft_damping = 0.0;
+    let (inertia1, stiffness1) = (disc1.inertia, disc1.shaft_stiffness);
     drawn.truth.parameters.shaft_damping = 0.0;
     let parameters = drawn.truth.parameters;
     let (inertia2, stiffness2) = (parameters.disc_inertia, parameters.shaft_stiffness);
@@ -181,7 +181,7 @@ fn two_discs_swing_at_the_frequencies_of_the_pair() {
     let twist = 0.2 * parameters.gear_ratio * parameters.motor_coulomb_torque / stiffness2;
     let start = State {
         disc_angle: twist,
-        outer_angle: twist * stiffness1 / (stiffness1 - inertia1 * square),
+        disc1_angle: twist * stiffness1 / (stiffness1 - inertia1 * square),
         ..State::default()
     };
     let numerics = drawn.numerics(1.0);
@@ -189,7 +189,7 @@ fn two_discs_swing_at_the_frequencies_of_the_pair() {
     let inputs = Excitation {
         voltage: vec![0.0; count],
         normal_force: vec![0.0; count],
-        outer_force: vec![0.0; count],
+        disc1_force: vec![0.0; count],
     };
     let noise = Stream::new(1, Purpose::Contact(0));
     let samples = Simulator::with_numerics(&drawn.truth, &numerics, start, noise)

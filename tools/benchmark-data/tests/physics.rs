@@ -19,7 +19,7 @@ fn rig(effects: Effects) -> TrueRig {
             omega_s: 1.2,
         },
         effects,
-        outer: None,
+        disc1: None,
     }
 }
 

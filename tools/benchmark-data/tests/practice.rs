@@ -62,7 +62,7 @@ fn eight_seconds_of_stick_slip_agree_with_the_committed_reference() {
         parameters: NOMINAL,
         law: benchmark_data::hidden_effect::practice_law("stribeck").unwrap(),
         effects: Default::default(),
-        outer: None,
+        disc1: None,
     };
     for difference in replay(&rig, &record, 400).unwrap() {
         assert_within_noise(&difference, 0.0, "reference");

@@ -50,7 +50,7 @@ impl Model {
 
     /// The model without an effect.
     #[must_use]
-    pub fn without(&self, name: &str) -> Self {
+    pub fn without_effect(&self, name: &str) -> Self {
         let mut model = self.clone();
         model.terms.retain(|term| term.entry.name != name);
         model

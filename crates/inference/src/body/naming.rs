@@ -99,7 +99,7 @@ impl Naming {
 
     /// The best set without one of its effects, if it was fitted.
     #[must_use]
-    pub fn without(&self, effect: &str) -> Option<&Candidate> {
+    pub fn best_without(&self, effect: &str) -> Option<&Candidate> {
         let rest: Vec<&str> = self
             .best()
             .names
@@ -283,7 +283,7 @@ impl Moves for Pieces<'_, '_> {
             return fewer.clone();
         }
         (self.progress)(&format!("without {left_out}"));
-        let model = current.fit.model.without(left_out);
+        let model = current.fit.model.without_effect(left_out);
         let Ground {
             problem, scales, ..
         } = self.ground;

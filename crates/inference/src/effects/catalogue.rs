@@ -166,7 +166,7 @@ pub const EFFECTS: &[Effect] = &[
         "shaft_hardening1",
         "cubic_stiffness",
         0.0,
-        Base::OuterStiffnessOverTwistSquared,
+        Base::Shaft1StiffnessOverTwistSquared,
         false,
         &[],
     ),

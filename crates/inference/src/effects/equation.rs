@@ -119,7 +119,7 @@ impl Equation {
         let definition = supposition.definition;
         let mut with = *rig;
         with.equations.add(definition)?;
-        if definition.port().is_outer() && rig.outer.is_none() {
+        if definition.port().is_on_disc1() && rig.disc1.is_none() {
             let message = "it acts on disc D1 or its shaft, and this model is the reduced rig, which has neither";
             return Err(wrong(definition, message));
         }

@@ -35,7 +35,7 @@ pub(super) fn weigh(
         let open = best.effects.iter().copied();
         let doubted = open
             .filter(|name| !settled.contains(&(best.effects.clone(), name)))
-            .filter_map(|name| Some((name, best.lead(without(known, &best, name)?))))
+            .filter_map(|name| Some((name, best.lead(best_without(known, &best, name)?))))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let Some((name, _)) = doubted else {
             progress("what replicas of the records tell of the numbers");
@@ -94,11 +94,11 @@ fn fitted_without(
         fewer = candidate(problem, fewer.fit.improved(data, fit::STEPS));
     }
     keep(known, fewer.clone());
-    without(known, best, name).cloned().unwrap_or(fewer)
+    best_without(known, best, name).cloned().unwrap_or(fewer)
 }
 
 /// The set without an effect, if it was fitted.
-fn without<'a>(known: &'a [Candidate], best: &Candidate, name: &str) -> Option<&'a Candidate> {
+fn best_without<'a>(known: &'a [Candidate], best: &Candidate, name: &str) -> Option<&'a Candidate> {
     known.iter().find(|other| {
         other.effects.len() + 1 == best.effects.len()
             && !other.effects.contains(&name)

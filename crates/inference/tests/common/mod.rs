@@ -75,7 +75,7 @@ pub fn record_of(truth: &Rig<f64>, seed: u64, steps: Steps) -> RawRecord {
         (channel::THETA1, index::THETA1),
         (channel::OMEGA1, index::OMEGA1),
     ];
-    let seen = if truth.outer.is_some() { 6 } else { 4 };
+    let seen = if truth.disc1.is_some() { 6 } else { 4 };
     for sample in 0..(LENGTH / INTERVAL) as usize {
         let time = sample as f64 * INTERVAL;
         run.advance_to(time).unwrap();
@@ -85,7 +85,7 @@ pub fn record_of(truth: &Rig<f64>, seed: u64, steps: Steps) -> RawRecord {
         record.time.push(time);
         record.voltage.push(voltage);
         record.normal_force.push(force);
-        if truth.outer.is_some() {
+        if truth.disc1.is_some() {
             record.normal_force_1.push(force_1);
         }
         for (channel, component) in channels.into_iter().take(seen) {

@@ -139,8 +139,8 @@ fn check_point(point: &Point, rig: &Rig<f64>) -> Result<(), String> {
             ));
         }
     }
-    let outer = point.disc == Disc::D1 || point.normal_force_1 != 0.0;
-    if outer && rig.outer.is_none() {
+    let disc1 = point.disc == Disc::D1 || point.normal_force_1 != 0.0;
+    if disc1 && rig.disc1.is_none() {
         return Err(
             "disc D1 and normal_force_1 need a model with [disc1], [shaft1] and [contact1]"
                 .to_owned(),

@@ -118,12 +118,12 @@ impl Point {
     /// The operating point in words.
     #[must_use]
     pub fn label(&self) -> String {
-        let outer = if self.normal_force_1 == 0.0 {
+        let disc1 = if self.normal_force_1 == 0.0 {
             String::new()
         } else {
             format!(", N1 {} N", self.normal_force_1)
         };
-        format!("{} rpm, {} N{outer}", self.speed_rpm, self.normal_force)
+        format!("{} rpm, {} N{disc1}", self.speed_rpm, self.normal_force)
     }
 }
 

@@ -278,7 +278,7 @@ fn inputs(problem: &Problem, candidate: &Inputs) -> RawRecord {
         let (u, n) = (candidate.shape)(row as f64 / count as f64);
         voltage.push(u * reach.voltage * units.voltage());
         normal_force.push(n * reach.force * units.force);
-        if problem.rig.outer.is_some() {
+        if problem.rig.disc1.is_some() {
             normal_force_1.push(n * reach.force_1 * units.force);
         }
     }

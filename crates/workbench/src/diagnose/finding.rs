@@ -77,9 +77,9 @@ pub struct Finding {
     pub ranking: Vec<Ranked>,
     /// Coordinates over which the analyst's model leaves structure, strongest first.
     #[serde(rename = "where")]
-    pub structure: Vec<Located>,
+    pub structure: Vec<Disagreement>,
     /// Coordinates over which the amended model still does, strongest first.
-    pub structure_left: Vec<Located>,
+    pub structure_left: Vec<Disagreement>,
     /// Whether what was found explains the records; absent where no search was made.
     #[serde(default)]
     pub check: Option<CheckResult>,
@@ -220,7 +220,7 @@ pub struct CheckResult {
 
 /// Structure over one coordinate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Located {
+pub struct Disagreement {
     /// Coordinate, for instance `disc_angle`.
     pub coordinate: String,
     /// Equation whose torque is meant: `disc`, `shaft` or `motor`.

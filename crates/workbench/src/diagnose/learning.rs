@@ -9,8 +9,8 @@ use inference::structure::structures;
 use super::amend::{FittedRig, refitted};
 use super::case::Case;
 use super::console::readable;
+use super::disagreements::disagreements;
 use super::finding::{Finding, LearnedTerm};
-use super::located::located;
 use super::show::is_worse;
 
 /// Standard errors from the middle to the end of a 95 % interval.
@@ -69,7 +69,8 @@ fn take_over(problem: &Problem, learned: &Learned, finding: &mut Finding) -> any
     )?;
     finding.parameters = refitted(&fitted);
     finding.friction_fluctuation = learned.fit.disturbance.relative;
-    finding.structure_left = located(&structures(&problem.long, &learned.fit), &problem.units);
+    finding.structure_left =
+        disagreements(&structures(&problem.long, &learned.fit), &problem.units);
     let table = &learned.table;
     finding.learned = Some(LearnedTerm {
         name: table.name.clone(),

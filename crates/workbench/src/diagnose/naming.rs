@@ -11,10 +11,10 @@ use inference::structure::structures;
 use super::amend::{AmendError, FittedRig, NOT_APPLICABLE, found_effects, refitted};
 use super::case::Case;
 use super::console::{number, readable};
+use super::disagreements::disagreements;
 use super::experiment::propose;
 use super::finding::{CheckResult, Experiment, Finding, NO_EFFECT, Ranked, VerdictName};
 use super::learning::explain_without_cause;
-use super::located::located;
 use crate::files::record::Record;
 
 /// File of the inputs of a proposed experiment, beside the finding.
@@ -103,8 +103,8 @@ fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<
         finding.alternatives = told(found).map(|rival| joined(&rival.effects)).collect();
     }
     finding.ranking = found.ranking.iter().map(ranked).collect();
-    finding.structure = located(&found.structure, &problem.units);
-    finding.structure_left = located(&found.structure_left, &problem.units);
+    finding.structure = disagreements(&found.structure, &problem.units);
+    finding.structure_left = disagreements(&found.structure_left, &problem.units);
     finding.check = Some(CheckResult {
         p_value: found.check.p_value,
         misfit: finite(found.check.misfit).unwrap_or_default(),
@@ -220,7 +220,7 @@ pub fn located_finding(case: &Case, progress: &mut dyn FnMut(&str)) -> anyhow::R
         &base.fit,
         &estimates,
     )?;
-    finding.structure = located(&structures(&problem.long, &base.fit), &problem.units);
+    finding.structure = disagreements(&structures(&problem.long, &base.fit), &problem.units);
     Ok(finding)
 }
 

@@ -218,8 +218,8 @@ pub fn check(record: &Record, rig: &Rig<f64>) -> Result<Checked, RecordProblem> 
     let file = record.source().to_owned();
     let mut notes = Vec::new();
     let used = columns(rig);
-    let outer_force = used[REDUCED..].last();
-    for name in used[..INPUTS].iter().chain(outer_force) {
+    let disc1_force = used[REDUCED..].last();
+    for name in used[..INPUTS].iter().chain(disc1_force) {
         record.require(name).map_err(RecordProblem::Column)?;
     }
     if COLUMNS[NEEDED]

@@ -100,14 +100,14 @@ fn describe_rig(model: &ModelFile) -> String {
         RigKind::Reduced => "reduced: motor, gearbox, shaft, disc D2",
         RigKind::Full => "full: motor, gearbox, shaft, disc D2, second shaft, disc D1",
     };
-    let outer = rig.outer.iter().flat_map(|outer| outer.effects.active());
-    let active = rig.effects.active().into_iter().chain(outer);
+    let disc1 = rig.disc1.iter().flat_map(|disc1| disc1.effects.active());
+    let active = rig.effects.active().into_iter().chain(disc1);
     let mut effects: Vec<&str> = active.map(|(name, _)| name).collect();
     let equations: Vec<&Definition> = rig.equations.active().map(|e| e.definition).collect();
     effects.extend(equations.iter().map(|effect| effect.name()));
     let mut text = format!("rig      {kind}\nlaw      {} (pin on D2)\n", rig.law.name());
-    if let Some(outer) = &rig.outer {
-        let _ = writeln!(text, "law      {} (pin on D1)", outer.law.name());
+    if let Some(disc1) = &rig.disc1 {
+        let _ = writeln!(text, "law      {} (pin on D1)", disc1.law.name());
     }
     let _ = writeln!(
         text,

@@ -10,9 +10,9 @@ use crate::instruments::Instruments;
 use crate::law::ContactLaw;
 use crate::numerics::{DISSERTATION, Numerics};
 use crate::other_rigs::contact::{Laws, Speeds, draw_laws, is_sound};
+use crate::other_rigs::disc1::{BelievedOuter, Disc1Draws};
 use crate::other_rigs::drawing::{Draws, OtherRig};
 use crate::other_rigs::motion::{Motion, Seen};
-use crate::other_rigs::outer::{BelievedOuter, OuterDraws};
 use crate::other_rigs::plan::OtherKind;
 use crate::other_rigs::runs::{Layout, Wants, voltage_step};
 use crate::other_rigs::sizes::Scales;
@@ -80,7 +80,7 @@ pub struct DrawnCase {
     /// Believed and true contact.
     pub laws: Laws,
     /// What is believed of disc D1.
-    pub outer: Option<BelievedOuter>,
+    pub disc1: Option<BelievedOuter>,
     /// Layout of the runs.
     pub layout: Layout,
     /// Inputs.
@@ -144,9 +144,9 @@ impl OtherCase {
             .iter()
             .map(|(effect, _)| *effect)
             .collect();
-        let outer_draws = (self.rig == RigChoice::Full)
-            .then(|| OuterDraws::draw(&mut stream(Purpose::OuterDisc)));
-        let hanging = outer_draws.map_or(0.0, |outer| outer.inertia);
+        let disc1_draws =
+            (self.rig == RigChoice::Full).then(|| Disc1Draws::draw(&mut stream(Purpose::Disc1)));
+        let hanging = disc1_draws.map_or(0.0, |disc1| disc1.inertia);
 
         let mut recipe = stream(Purpose::Recipe);
         let size = thousandth(recipe.uniform(self.size.0, self.size.1));
@@ -156,8 +156,8 @@ impl OtherCase {
             recipe.uniform(0.01, 0.02)
         });
         let mut ratios = draw_ratios(&mut recipe, spread);
-        if let Some(outer) = &outer_draws {
-            ratios.extend(outer.ratios(spread, &mut stream(Purpose::OuterRatios)));
+        if let Some(disc1) = &disc1_draws {
+            ratios.extend(disc1.ratios(spread, &mut stream(Purpose::Disc1Ratios)));
         }
 
         let (natural, top) = match self.rig {
@@ -186,8 +186,8 @@ impl OtherCase {
                 OtherRig::dissertation(draws.drop, laws.levels, load_factor, load_power)
             }
             _ => {
-                let outer_torque = outer_draws.map_or(0.0, |outer| outer.torque);
-                draws.build(laws.levels, load_factor, load_power, hanging, outer_torque)
+                let torque1 = disc1_draws.map_or(0.0, |disc1| disc1.torque);
+                draws.build(laws.levels, load_factor, load_power, hanging, torque1)
             }
         };
         let plain = build((1.0, self.load_reference));
@@ -216,10 +216,10 @@ impl OtherCase {
         if self.unknown {
             instruments = instruments.unknown_to_all(&mut tools);
         }
-        let outer = outer_draws.map(|outer| outer.build(&rig, &mut stream(Purpose::OuterLaw)));
+        let disc1 = disc1_draws.map(|disc1| disc1.build(&rig, &mut stream(Purpose::Disc1Law)));
         let runs = layout.draw_runs(
             &rig,
-            outer.as_ref().map(|outer| outer.middle_load),
+            disc1.as_ref().map(|disc1| disc1.middle_load),
             &mut stream(Purpose::Inputs(inputs_index)),
         );
         let longest = runs[..runs.len() - 1]
@@ -229,8 +229,8 @@ impl OtherCase {
             .unwrap_or(1);
         let duration = longest as f64 * layout.interval;
         let scales = Scales::of(&rig, duration, instruments.gearbox_speed);
-        let outer_scales = outer.as_ref().map(|outer| outer.scales(&scales));
-        let (mut hidden, hidden_outer) = self.hide(size, &scales, outer_scales, recipe.clone());
+        let disc1_scales = disc1.as_ref().map(|disc1| disc1.scales(&scales));
+        let (mut hidden, hidden_outer) = self.hide(size, &scales, disc1_scales, recipe.clone());
         hidden.load_ref = rig.load_power.1;
         if self.rough {
             hidden.stoch_std = recipe.uniform(0.02, 0.06);
@@ -242,15 +242,15 @@ impl OtherCase {
             parameters: rig.believed.scaled(&ratios),
             law: laws.truth.with_level(level(FRICTION_LEVEL)),
             effects: hidden,
-            outer: outer
+            disc1: disc1
                 .as_ref()
-                .map(|outer| outer.truth(&ratios, hidden_outer)),
+                .map(|disc1| disc1.truth(&ratios, hidden_outer)),
         };
         Some(DrawnCase {
             truth,
             rig,
             laws,
-            outer,
+            disc1,
             layout,
             runs,
             instruments,
@@ -267,12 +267,12 @@ impl OtherCase {
         &self,
         size: f64,
         scales: &Scales,
-        outer_scales: Option<Scales>,
+        disc1_scales: Option<Scales>,
         mut stream: Stream,
     ) -> (Effects, Effects) {
         let (mut hidden, mut hidden_outer) = (Effects::default(), Effects::default());
-        for &(effect, on_outer) in &self.kind.effects {
-            match (&outer_scales, on_outer) {
+        for &(effect, on_disc1) in &self.kind.effects {
+            match (&disc1_scales, on_disc1) {
                 (Some(scales), true) => {
                     effect.put_to_scale(size, scales, &mut stream, &mut hidden_outer);
                 }
@@ -346,7 +346,7 @@ impl Case for OtherCase {
                 excitation: &run.excitation,
                 samples: &samples,
                 effects: &case.truth.effects,
-                outer_effects: case.truth.outer.as_ref().map(|outer| &outer.effects),
+                disc1_effects: case.truth.disc1.as_ref().map(|disc1| &disc1.effects),
                 instruments: &case.instruments,
                 sensors: self.sensors,
                 interval: case.layout.interval,
@@ -365,23 +365,23 @@ impl Case for OtherCase {
 
 impl OtherCase {
     fn answer(&self, case: &DrawnCase) -> Answer {
-        let outer_effects = case
+        let disc1_effects = case
             .truth
-            .outer
+            .disc1
             .as_ref()
-            .map(|outer| outer.effects.answers());
+            .map(|disc1| disc1.effects.answers());
         let effects = case
             .truth
             .effects
             .answers()
             .into_iter()
             .filter(|(name, _)| name != "load_ref" || case.truth.effects.load_exp != 1.0)
-            .chain(outer_effects.into_iter().flatten())
+            .chain(disc1_effects.into_iter().flatten())
             .collect();
-        let place = |on_outer: bool| if on_outer { "disc1" } else { "disc2" }.to_owned();
+        let place = |on_disc1: bool| if on_disc1 { "disc1" } else { "disc2" }.to_owned();
         let places: BTreeMap<String, String> = if self.rig == RigChoice::Full {
             let of =
-                |&(effect, on_outer): &(Effect, bool)| (effect.name().to_owned(), place(on_outer));
+                |&(effect, on_disc1): &(Effect, bool)| (effect.name().to_owned(), place(on_disc1));
             self.kind.effects.iter().map(of).collect()
         } else {
             BTreeMap::new()

@@ -69,7 +69,7 @@ pub struct OtherRig {
     /// Exponent of the true normal force [-] and the force at which it changes nothing [N].
     pub load_power: (f64, f64),
     /// Friction torque of disc D1 over T [-]; 0 without one.
-    pub outer_torque: f64,
+    pub torque1: f64,
     /// Largest current under load [A].
     pub current: f64,
 }
@@ -103,14 +103,14 @@ impl Draws {
     /// The rig of these draws under a contact of `levels`, its loads times `load_factor`. Friction
     /// follows the normal force to the power `load_power.0`, and is as believed at `load_power.1` [N]
     /// (`None`: at the middle load). `hanging` is the inertia that hangs on the disc over the disc's
-    /// [-], `outer_torque` its friction over the disc's [-].
+    /// [-], `torque1` its friction over the disc's [-].
     pub fn build(
         &self,
         levels: Levels,
         load_factor: f64,
         load_power: (f64, Option<f64>),
         hanging: f64,
-        outer_torque: f64,
+        torque1: f64,
     ) -> OtherRig {
         let inertia = four_digits(self.inertia);
         let total = inertia * (1.0 + hanging);
@@ -131,7 +131,7 @@ impl Draws {
 
         let coulomb = self.motor_coulomb * torque;
         let viscous = self.motor_viscous * torque / top_speed;
-        let largest = LARGEST_LOAD * torque * (1.0 + outer_torque) + coulomb + viscous * top_speed;
+        let largest = LARGEST_LOAD * torque * (1.0 + torque1) + coulomb + viscous * top_speed;
         let power = largest * top_speed;
         let volts = (12.0 * libm::pow(power, 0.2)).clamp(1.5, 600.0) * self.voltage;
         let back_emf = four_digits(volts / (gear_ratio * top_speed * (1.0 + self.droop)));
@@ -166,7 +166,7 @@ impl Draws {
             middle_load,
             torque_per_load,
             load_power,
-            outer_torque,
+            torque1,
             current: largest / (gear_ratio * torque_constant),
         }
     }
@@ -211,7 +211,7 @@ impl OtherRig {
             middle_load,
             torque_per_load,
             load_power,
-            outer_torque: 0.0,
+            torque1: 0.0,
             current: largest / NOMINAL.torque_constant,
         }
     }
@@ -228,7 +228,7 @@ impl OtherRig {
         let motor_speed = rig.gear_ratio * speed.abs();
         let torque = rig.motor_coulomb_torque
             + rig.motor_viscous_damping * motor_speed
-            + self.sliding_torque(load) * (1.0 + self.outer_torque) / rig.gear_ratio;
+            + self.sliding_torque(load) * (1.0 + self.torque1) / rig.gear_ratio;
         let volts =
             rig.back_emf_constant * motor_speed + rig.resistance * torque / rig.torque_constant;
         volts.copysign(speed)

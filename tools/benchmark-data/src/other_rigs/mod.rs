@@ -5,9 +5,9 @@
 
 pub mod case;
 pub mod contact;
+pub mod disc1;
 pub mod drawing;
 pub mod motion;
-pub mod outer;
 pub mod plan;
 pub mod runs;
 pub mod sizes;

@@ -83,12 +83,12 @@ impl Layout {
         }
     }
 
-    /// Draws the inputs of all runs, the held-out one last. On the full rig `outer_load` is the
+    /// Draws the inputs of all runs, the held-out one last. On the full rig `disc1_load` is the
     /// middle normal force on disc D1 [N].
     pub fn draw_runs(
         &self,
         rig: &OtherRig,
-        outer_load: Option<f64>,
+        disc1_load: Option<f64>,
         stream: &mut Stream,
     ) -> Vec<Run> {
         let names = if self.one_free {
@@ -113,7 +113,7 @@ impl Layout {
             let free = index == 0 && self.one_free;
             // The second last run presses with one load throughout, the last with rising loads.
             let one_load = !free && index + 2 == self.runs;
-            let mut inputs = Inputs::new(self, rig, outer_load);
+            let mut inputs = Inputs::new(self, rig, disc1_load);
             let stop = self.one_stop && index + 1 == self.runs;
             inputs.plateaus(periods, free, one_load, stop, stream);
             runs.push(Run {
@@ -121,7 +121,7 @@ impl Layout {
                 excitation: inputs.close(),
             });
         }
-        let mut inputs = Inputs::new(self, rig, outer_load);
+        let mut inputs = Inputs::new(self, rig, disc1_load);
         let swinging = stream.uniform(0.3, 0.5);
         let periods = self.held_out_periods;
         inputs.plateaus(
@@ -144,16 +144,16 @@ impl Layout {
 struct Inputs<'a> {
     layout: &'a Layout,
     rig: &'a OtherRig,
-    outer_load: Option<f64>,
+    disc1_load: Option<f64>,
     excitation: Excitation,
 }
 
 impl<'a> Inputs<'a> {
-    fn new(layout: &'a Layout, rig: &'a OtherRig, outer_load: Option<f64>) -> Self {
+    fn new(layout: &'a Layout, rig: &'a OtherRig, disc1_load: Option<f64>) -> Self {
         Self {
             layout,
             rig,
-            outer_load,
+            disc1_load,
             excitation: Excitation::default(),
         }
     }
@@ -175,7 +175,7 @@ impl<'a> Inputs<'a> {
         }
         let mut loads = spread(count, LOADS, stream);
         let the_load = stream.uniform(0.8, 1.25);
-        let outer_loads = spread(count, LOADS, stream);
+        let disc1_loads = spread(count, LOADS, stream);
         let backward_from = stream.index(2);
         for index in 0..count {
             if free {
@@ -190,19 +190,19 @@ impl<'a> Inputs<'a> {
             };
             let stopped = stop && !self.layout.backward && count > 2 && index + 2 == count;
             let speed = if stopped { 0.0 } else { sign * speeds[index] };
-            let outer = self.outer_load.map_or(0.0, |load| {
+            let disc1 = self.disc1_load.map_or(0.0, |load| {
                 if free {
                     0.0
                 } else {
-                    load * outer_loads[count - 1 - index]
+                    load * disc1_loads[count - 1 - index]
                 }
             });
-            self.hold(periods / count as f64, speed, loads[index], outer);
+            self.hold(periods / count as f64, speed, loads[index], disc1);
         }
     }
 
     /// Holds the voltage for `speed` (share of the top speed) under `load` (share of the middle one).
-    fn hold(&mut self, periods: f64, speed: f64, load: f64, outer: f64) {
+    fn hold(&mut self, periods: f64, speed: f64, load: f64, disc1: f64) {
         let load = four_digits(load * self.rig.middle_load);
         let voltage = if speed == 0.0 {
             0.0
@@ -210,7 +210,7 @@ impl<'a> Inputs<'a> {
             self.rounded(self.rig.voltage(speed * self.rig.top_speed, load))
         };
         for _ in 0..self.samples(periods) {
-            self.push(voltage, load, outer);
+            self.push(voltage, load, disc1);
         }
     }
 
@@ -222,21 +222,21 @@ impl<'a> Inputs<'a> {
         let cycle = stream.uniform(4.0, 8.0);
         let interval = self.layout.interval;
         let held = ((self.rig.period / 20.0 / interval).round() as usize).max(1);
-        let outer = self.outer_load.unwrap_or(0.0);
+        let disc1 = self.disc1_load.unwrap_or(0.0);
         for sample in 0..self.samples(periods) {
             let time = (sample / held * held) as f64 * interval;
             let phase = TAU * time / (cycle * self.rig.period);
             let speed = (middle + amplitude * libm::sin(phase)) * self.rig.top_speed;
             let voltage = self.rounded(self.rig.voltage(speed, load));
-            self.push(voltage, load, outer);
+            self.push(voltage, load, disc1);
         }
     }
 
-    fn push(&mut self, voltage: f64, load: f64, outer: f64) {
+    fn push(&mut self, voltage: f64, load: f64, disc1: f64) {
         self.excitation.voltage.push(voltage);
         self.excitation.normal_force.push(load);
-        if self.outer_load.is_some() {
-            self.excitation.outer_force.push(four_digits(outer));
+        if self.disc1_load.is_some() {
+            self.excitation.disc1_force.push(four_digits(disc1));
         }
     }
 
@@ -264,8 +264,8 @@ impl<'a> Inputs<'a> {
             .normal_force
             .extend(excitation.normal_force.last().copied());
         excitation
-            .outer_force
-            .extend(excitation.outer_force.last().copied());
+            .disc1_force
+            .extend(excitation.disc1_force.last().copied());
         excitation
     }
 }

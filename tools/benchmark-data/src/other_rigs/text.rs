@@ -29,8 +29,8 @@ pub fn model_toml(case: &DrawnCase) -> String {
             };
         }
     };
-    if let Some(outer) = &case.outer {
-        let part = &outer.part;
+    if let Some(disc1) = &case.disc1 {
+        let part = &disc1.part;
         section("disc1", &[("inertia", part.inertia, "kg m2", "J2")]);
         section(
             "shaft1",
@@ -66,9 +66,9 @@ pub fn model_toml(case: &DrawnCase) -> String {
             ),
         ],
     );
-    if let Some(outer) = &case.outer {
-        let radius = outer.part.contact_radius;
-        text.push_str(&contact("contact1", radius, &outer.part.law, spread));
+    if let Some(disc1) = &case.disc1 {
+        let radius = disc1.part.contact_radius;
+        text.push_str(&contact("contact1", radius, &disc1.part.law, spread));
     }
     text.push_str(&contact(
         "contact",

@@ -10,7 +10,7 @@ use super::{Report, figures};
 use crate::diagnose::amend::fmu_files;
 use crate::diagnose::catalogue::{Entry, entry};
 use crate::diagnose::console::{answer, number, percent, readable, shown_unit};
-use crate::diagnose::finding::{Finding, Located, ParameterValue, VerdictName};
+use crate::diagnose::finding::{Disagreement, Finding, ParameterValue, VerdictName};
 use crate::diagnose::gap::Measures;
 use crate::diagnose::show::LEAST_FLUCTUATION;
 use crate::plot::Figure;
@@ -188,7 +188,7 @@ fn disagreement(finding: &Finding, others: &Figure) -> String {
 }
 
 /// The places with significant structure as a table, under `some`; or `none`.
-fn places(all: &[Located], none: &str, some: &str) -> String {
+fn places(all: &[Disagreement], none: &str, some: &str) -> String {
     let rows: Vec<Vec<String>> = all
         .iter()
         .filter(|place| place.significant)

@@ -98,11 +98,11 @@ impl Answer {
 
     /// The catalogue's name of this effect where it acts on the disc of this answer.
     fn on_its_disc(&self, name: &'static str) -> &'static str {
-        let on_outer = self.place.as_deref() == Some("disc1");
+        let on_disc1 = self.place.as_deref() == Some("disc1");
         CATALOGUE
             .iter()
             .map(|entry| entry.name)
-            .find(|other| on_outer && other.strip_suffix('1') == Some(name))
+            .find(|other| on_disc1 && other.strip_suffix('1') == Some(name))
             .unwrap_or(name)
     }
 

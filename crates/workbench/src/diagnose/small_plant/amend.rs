@@ -8,7 +8,7 @@ use super::model_file::{SmallModel, dotted};
 use super::showing::{balance, final_intervals, polished};
 use crate::diagnose::console::{number, readable};
 use crate::diagnose::finding::{
-    Finding, FoundEffect, Located, ParameterValue, Ranked, VerdictName,
+    Disagreement, Finding, FoundEffect, ParameterValue, Ranked, VerdictName,
 };
 use crate::diagnose::naming::joined;
 use inference::body::evidence::Errors;
@@ -67,7 +67,7 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
     found.small_plant.gains = best
         .names
         .iter()
-        .filter_map(|name| Some(ranked((*name).to_owned(), best, naming.without(name)?)))
+        .filter_map(|name| Some(ranked((*name).to_owned(), best, naming.best_without(name)?)))
         .collect();
     found
 }
@@ -114,8 +114,8 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit) -> SmallFinding {
             experiment: None,
             ranking: Vec::new(),
             check: None,
-            structure: before.iter().map(|left| located(case, left)).collect(),
-            structure_left: after.iter().map(|left| located(case, left)).collect(),
+            structure: before.iter().map(|left| disagreement(case, left)).collect(),
+            structure_left: after.iter().map(|left| disagreement(case, left)).collect(),
             learned: None,
             parameters,
             gap: None,
@@ -140,7 +140,7 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit) -> SmallFinding {
 }
 
 /// Structure as a finding has it, at the equation or the port where it is.
-fn located(case: &SmallCase, left: &Left) -> Located {
+fn disagreement(case: &SmallCase, left: &Left) -> Disagreement {
     let equation = match case.kind() {
         Kind::Drive => "drive",
         Kind::Pendulum => "swing",
@@ -151,7 +151,7 @@ fn located(case: &SmallCase, left: &Left) -> Located {
     };
     let ports = case.model.port_names();
     let gain = left.gain;
-    Located {
+    Disagreement {
         coordinate: left.coordinate.to_owned(),
         equation: (*ports.get(left.port).unwrap_or(&equation)).to_owned(),
         band: None,

@@ -37,8 +37,8 @@ fn run(rig: &Rig<f64>, speed_rpm: f64, force: f64) -> Result<Run, ExperimentErro
 
 fn with_law(rig: &Rig<f64>, mu_c: f64, omega_s: f64) -> Rig<f64> {
     let mut rig = *rig;
-    if let Some(outer) = &mut rig.outer {
-        outer.law = Law::Stribeck(Stribeck {
+    if let Some(disc1) = &mut rig.disc1 {
+        disc1.law = Law::Stribeck(Stribeck {
             mu_c,
             mu_s: mu_c / 0.6,
             omega_s,
@@ -49,11 +49,11 @@ fn with_law(rig: &Rig<f64>, mu_c: f64, omega_s: f64) -> Rig<f64> {
 
 /// Lowest natural frequency of two undamped discs behind a standing motor [Hz]; NaN for the reduced rig.
 fn lowest_frequency(rig: &Rig<f64>) -> f64 {
-    let Some(outer) = &rig.outer else {
+    let Some(disc1) = &rig.disc1 else {
         return f64::NAN;
     };
-    let (near, far) = (rig.shaft.stiffness, outer.shaft.stiffness);
-    let (j1, j2) = (outer.disc.inertia, rig.disc.inertia);
+    let (near, far) = (rig.shaft.stiffness, disc1.shaft.stiffness);
+    let (j1, j2) = (disc1.disc.inertia, rig.disc.inertia);
     let (a, b) = (far / j1, (near + far) / j2);
     let square = 0.5 * (a + b) - (0.25 * (a - b).powi(2) + far * far / (j1 * j2)).sqrt();
     square.sqrt() / TAU

@@ -5,14 +5,14 @@ use std::f64::consts::TAU;
 use inference::structure::{Coordinate, Structure};
 use inference::units::PlantUnits;
 
-use super::finding::Located;
+use super::finding::Disagreement;
 
 /// Gain in log evidence from which on structure over one coordinate is significant: odds of 100 : 1.
 const SIGNIFICANT: f64 = 4.6;
 
 /// The places in their order; of the bands of frequency only the strongest, in Hz.
 #[must_use]
-pub fn located(structures: &[Structure], units: &PlantUnits) -> Vec<Located> {
+pub fn disagreements(structures: &[Structure], units: &PlantUnits) -> Vec<Disagreement> {
     let is_band = |structure: &&Structure| matches!(structure.coordinate, Coordinate::Frequency(_));
     let strongest_band = structures
         .iter()
@@ -23,7 +23,7 @@ pub fn located(structures: &[Structure], units: &PlantUnits) -> Vec<Located> {
         .iter()
         .filter(|structure| structure.gain.is_finite())
         .filter(|structure| !is_band(structure) || Some(structure.coordinate) == strongest_band)
-        .map(|structure| Located {
+        .map(|structure| Disagreement {
             coordinate: structure.coordinate.name().to_owned(),
             equation: structure.coordinate.equation().to_owned(),
             band: structure
@@ -51,7 +51,7 @@ mod tests {
             current: 1.0,
         };
         let structure = |coordinate, gain| Structure { coordinate, gain };
-        let found = located(
+        let found = disagreements(
             &[
                 structure(Coordinate::Frequency(0.6), 80.0),
                 structure(Coordinate::DiscAngle, 60.0),

@@ -6,12 +6,12 @@ use crate::other_rigs::drawing::{LARGEST_LOAD, OtherRig, four_digits};
 use crate::other_rigs::sizes::Scales;
 use crate::random::Stream;
 use crate::rig::relative_uncertainty;
-use crate::simulator::OuterDisc;
+use crate::simulator::Disc1;
 use std::collections::BTreeMap;
 
 /// What is drawn of disc D1, as shares of what disc D2 has.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OuterDraws {
+pub struct Disc1Draws {
     /// Inertia over D2's [-], 0.4 to 3.
     pub inertia: f64,
     /// Stiffness of shaft 1 over that of the drive's shaft [-], 1.5 to 12.
@@ -28,7 +28,7 @@ pub struct OuterDraws {
 #[derive(Debug, Clone, PartialEq)]
 pub struct BelievedOuter {
     /// The parts; nothing is hidden.
-    pub part: OuterDisc,
+    pub part: Disc1,
     /// Middle normal force on D1 [N].
     pub middle_load: f64,
     /// Friction torque at it [N m].
@@ -38,7 +38,7 @@ pub struct BelievedOuter {
 /// Ratio of true over believed, D1's name and the name of D2's that is as uncertain.
 const RATIOS: [(&str, &str); 4] = [("J1", "J2"), ("k1", "k2"), ("c1", "c2"), ("mu1", "mu")];
 
-impl OuterDraws {
+impl Disc1Draws {
     /// Draws disc D1.
     pub fn draw(stream: &mut Stream) -> Self {
         Self {
@@ -81,7 +81,7 @@ impl OuterDraws {
         };
         let torque = self.torque * rig.torque;
         BelievedOuter {
-            part: OuterDisc {
+            part: Disc1 {
                 inertia,
                 shaft_stiffness: stiffness,
                 shaft_damping: four_digits(2.0 * self.damping_ratio * inertia * rate),
@@ -97,9 +97,9 @@ impl OuterDraws {
 
 impl BelievedOuter {
     /// Disc D1 as it truly is.
-    pub fn truth(&self, ratios: &BTreeMap<String, f64>, effects: Effects) -> OuterDisc {
+    pub fn truth(&self, ratios: &BTreeMap<String, f64>, effects: Effects) -> Disc1 {
         let ratio = |name: &str| ratios.get(name).copied().unwrap_or(1.0);
-        OuterDisc {
+        Disc1 {
             inertia: self.part.inertia * ratio("J1"),
             shaft_stiffness: self.part.shaft_stiffness * ratio("k1"),
             shaft_damping: self.part.shaft_damping * ratio("c1"),
