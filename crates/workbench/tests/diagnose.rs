@@ -301,7 +301,7 @@ fn the_report_is_well_formed_and_refers_to_nothing_outside() {
             .count()
     };
     assert_eq!(count("h1"), 1);
-    assert!(count("figure") == 4, "{} figures", count("figure"));
+    assert!(count("figure") == 5, "{} figures", count("figure"));
     assert_eq!(count("figure"), count("figcaption"));
     assert!(page.contains("less &lt; than &amp; &quot;more&quot;"));
     for node in tree.descendants() {

@@ -191,7 +191,7 @@ fn what_the_parameters_cannot_tell_is_said_and_left_out() {
     for words in [
         "motor_load_friction depends on the motor's torque: coefficient * abs(motor) * direction, with \
          motor_load_friction.coefficient = 0.2 1; 0.1728 N.m where the motor holds the arm level",
-        "external_load_friction_square depends on the moment of the weight",
+        "external_load_friction_square depends on the load",
         "0.062208 N.m where the motor holds the arm level",
         "friction_wear depends on the time",
         "tilt is a force that does not depend on the motion: - -size",

@@ -36,7 +36,7 @@ pub fn of_user(effect: &'static Effect, kind: Kind, path: Path) -> Entry {
         confusable: effect.confusable,
         kinds: vec![kind].leak(),
         path: Some(path),
-        needs_load: kind != Kind::Joint && effect.program.uses(LOAD),
+        needs_load: effect.program.uses(LOAD),
         role: role.map_or(Role::Added, |(_, role)| role),
         parameters: effect.parameters,
         formula: Formula::Equation {
@@ -99,7 +99,7 @@ pub fn section(term: &Term, kind: Kind, path: Path, more: &dyn Fn(&str) -> Strin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::catalogue::CATALOGUE;
+    use crate::body::catalogue::{CATALOGUE, entry};
 
     #[test]
     fn every_kind_that_an_effect_names_can_have_it() {
@@ -114,6 +114,16 @@ mod tests {
                 };
                 assert_eq!(shared.map(operations), Some(operations(&entry)));
             }
+        }
+    }
+
+    #[test]
+    fn a_joint_has_its_weight_for_a_load_and_others_must_measure_one() {
+        let friction = entry("external_load_friction").unwrap();
+        assert!(friction.fits(Kind::Joint, Path::Turn, false));
+        for kind in [Kind::Balance, Kind::Fmu] {
+            assert!(friction.fits(kind, Path::Turn, true));
+            assert!(!friction.fits(kind, Path::Turn, false));
         }
     }
 }

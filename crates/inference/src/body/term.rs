@@ -139,7 +139,7 @@ pub struct Entry {
     pub kinds: &'static [Kind],
     /// Path that it needs, if any.
     pub path: Option<Path>,
-    /// Whether it needs a measured load.
+    /// Whether it needs a load, which is measured but for a joint's, the arm's weight.
     pub needs_load: bool,
     /// How it enters.
     pub role: Role,
@@ -165,7 +165,7 @@ impl Entry {
     pub fn fits(&self, kind: Kind, path: Path, has_load: bool) -> bool {
         self.kinds.contains(&kind)
             && self.path.is_none_or(|needed| needed == path)
-            && (has_load || !self.needs_load)
+            && (has_load || !self.needs_load || kind == Kind::Joint)
     }
 
     /// Its force at a moment.

@@ -299,7 +299,7 @@ pub fn supposed(
             let earlier = all.iter().find(|(_, other)| other.name == entry.name);
             let taken = match earlier {
                 Some((earlier, _)) => Some(format!("{earlier} has an effect of this name; give one of them another")),
-                None if entry.needs_load && !model.has_load() => {
+                None if !entry.fits(kind, path, model.has_load()) => {
                     Some("it depends on the load, and the model has none; add a line for load to [columns], of an FMU to [port]".to_owned())
                 }
                 None if model.model.has(entry.name) => {

@@ -153,7 +153,7 @@ fn described(
         let entry = effect_file::of_user(effect, kind, path);
         let is_known = CATALOGUE.iter().any(|own| own.name == entry.name);
         reader.check_name(entry.name, is_known || model.has(entry.name))?;
-        if entry.needs_load && !has_load {
+        if !entry.fits(kind, path, has_load) {
             let section = format!("effect {}", entry.name);
             let expected = "without load, since the model names none";
             let found = format!("{:?}", effect.equation);
