@@ -65,6 +65,10 @@ fn named(text: &str) -> BTreeSet<String> {
         .lines()
         .filter(|line| !line.trim_start().starts_with("//"))
         .collect();
+    assert!(
+        !code.contains("crate::{"),
+        "name each module in a `use` of its own"
+    );
     let word = |text: &str| -> String {
         let letters = text.chars();
         letters
@@ -103,44 +107,4 @@ fn modules_use_what_stands_left_of_them() {
             }
         }
     }
-}
-
-/// Every crate's dependencies on crates of ours.
-fn crates() -> Directions {
-    let mut manifests = Vec::new();
-    for folder in ["", "build-fmu"] {
-        manifests.push(root().join(folder).join("Cargo.toml"));
-    }
-    for room in ["crates", "tools"] {
-        for entry in fs::read_dir(root().join(room)).unwrap() {
-            manifests.push(entry.unwrap().path().join("Cargo.toml"));
-        }
-    }
-    let manifests: Vec<toml::Table> = manifests
-        .iter()
-        .filter_map(|path| fs::read_to_string(path).ok())
-        .map(|text| text.parse().unwrap())
-        .collect();
-    let name = |manifest: &toml::Table| manifest["package"]["name"].as_str().unwrap().to_owned();
-    let ours: BTreeSet<String> = manifests.iter().map(name).collect();
-    let uses = |manifest: &toml::Table| {
-        let table = manifest.get("dependencies").and_then(toml::Value::as_table);
-        let names = table.into_iter().flat_map(|table| table.keys().cloned());
-        names.filter(|own| ours.contains(own)).collect()
-    };
-    manifests.iter().map(|own| (name(own), uses(own))).collect()
-}
-
-#[test]
-fn no_crate_of_the_product_uses_a_tool() {
-    let tools = ["benchmark-data", "benchmarks", "fuzz", "stress-tests"];
-    let crates = crates();
-    for tool in tools {
-        assert!(crates.contains_key(tool), "{tool}");
-        for (user, uses) in &crates {
-            assert!(!uses.contains(tool), "{user} uses {tool}");
-        }
-    }
-    assert!(crates["benchmark-data"].is_empty(), "{crates:?}");
-    assert!(crates["inference"].is_disjoint(&["workbench".to_owned()].into()));
 }

@@ -292,13 +292,14 @@ impl Instance {
             Some(status) if !is_good(status) => return Err(Refused::original(status)),
             saved => saved.is_some(),
         };
-        let mut force = self.force(from, length, begun.0)?;
+        let load = self.load()?;
+        let mut force = self.force(from, length, begun.0, load);
         let mut stepped = self.pushed(from, length, force, begun, can_go_back)?;
         for _ in 0..MOST_REPEATS {
             if !can_go_back || stepped.ends {
                 break;
             }
-            let better = self.force(from, length, begun.0)?;
+            let better = self.force(from, length, begun.0, load);
             if (better - force).abs() <= SAME * self.own.largest {
                 break;
             }
@@ -312,13 +313,14 @@ impl Instance {
         Ok(stepped)
     }
 
-    /// The effects' force over a step from this position and velocity.
+    /// The effects' force over a step from this position and velocity, under this load.
     fn force(
         &mut self,
         from: f64,
         length: f64,
         (position, velocity): (f64, f64),
-    ) -> Result<f64, Refused> {
+        load: f64,
+    ) -> f64 {
         let moment = Moment {
             time: from - self.own.start,
             position,
@@ -326,13 +328,12 @@ impl Instance {
             acceleration: self.own.free,
             direction: velocity.signum(),
         };
-        let load = self.load()?;
         let (effects, own, steps) = (&self.settings.effects, &self.own, &mut self.steps);
         let mut coupling = Coupling {
             against: |at: &Moment| against(effects, &own.parameters, at, load, steps),
             inertia: self.settings.port.inertia.abs(),
         };
-        Ok(coupling.force(&moment, length, own.free, own.force))
+        coupling.force(&moment, length, own.free, own.force)
     }
 
     /// The load at the port now [N or N m]; zero where none is named.

@@ -48,7 +48,7 @@ pub struct Motion {
     pub direction: Vec<f64>,
     /// Force or torque [N or N m]; zero for a free swing.
     pub force: Vec<f64>,
-    /// Load over its mean; ones where it is not measured.
+    /// Load, of a contact over its mean; zeros where it is not measured.
     pub load: Vec<f64>,
     /// Force or torque that somebody's own model predicts [N or N m]; zero where there is none.
     pub predicted: Vec<f64>,
@@ -162,7 +162,7 @@ impl Motion {
             velocity,
             acceleration,
             force: vec![0.0; count],
-            load: vec![1.0; count],
+            load: vec![0.0; count],
             predicted: vec![0.0; count],
             voltage: vec![0.0; count],
             connected: vec![0.0; count],

@@ -21,8 +21,8 @@ pub struct Sample {
     pub acceleration: f64,
     /// Direction of motion: −1 or 1; at a standstill that of the motion before.
     pub direction: f64,
-    /// Load: of a contact the normal load over its mean on the records learned from, 1 where none is measured; of a joint the moment of
-    /// the arm's weight over the moment of inertia [rad/s²]; else what was measured [N or N m].
+    /// Load: of a contact the normal load over its mean on the records learned from; of a joint the moment of the arm's weight over the
+    /// moment of inertia [rad/s²]; else a force or torque [N or N m]. 0 where none is measured.
     pub load: f64,
     /// Force that somebody's own model predicts [N or N m]; 0 where there is none.
     pub predicted: f64,

@@ -152,6 +152,10 @@ pub fn undecided(finding: &Finding) -> String {
         .map(|name| readable(name))
         .collect();
     match &names[..] {
+        [] => format!(
+            "Something is missing, and no set of effects that may be it has a probability of {}.",
+            percent(RIVAL)
+        ),
         [only] => format!(
             "Probably missing: {only}. It is less sure than {}, from which on a name is given, and every rival has less than {}.",
             percent(NAMED),

@@ -299,6 +299,9 @@ fn what_no_effect_is_like_is_not_named_after_one() {
         let place = Place::new(BALANCE, &balance(torque, 60), &balance(torque, 61));
         let (found, text) = place.diagnosed(1);
         assert_eq!(found.finding.verdict, VerdictName::NotInCatalogue, "{text}");
+        // No load is measured, so that nothing is structured over it.
+        let mut places = found.finding.structure.iter();
+        assert!(!places.any(|place| place.coordinate.starts_with("load")));
     }
 }
 

@@ -72,7 +72,10 @@ fn headline(finding: &Finding) -> String {
                 .iter()
                 .map(|name| readable(name))
                 .collect();
-            format!("missing: {}", names.join(" or "))
+            match names.len() {
+                1 => format!("probably missing: {}", names[0]),
+                _ => format!("missing: {}", names.join(" or ")),
+            }
         }
         VerdictName::Located => "where model and records disagree".to_owned(),
         VerdictName::NotInCatalogue => {
@@ -177,7 +180,7 @@ fn disagreement(finding: &Finding, others: &Figure) -> String {
         "<details>\n<summary>The residual torque over all other coordinates</summary>\n{}</details>",
         figure(
             others,
-            "Dots: single pieces before. Lines: means of bins before and after. Torques on the disc while it slides."
+            "Dots: single pieces before. Lines: means of bins before and after. Those on the disc are while it slides."
         )
     );
     text.push_str(

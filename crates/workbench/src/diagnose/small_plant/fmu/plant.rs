@@ -338,7 +338,19 @@ impl Finder<'_> {
                 at,
                 format!("factor = {factor} of load must be a finite number other than 0"),
             )),
-            None => Ok((at, self.factor("port", at, Quantity::ExternalLoad)?)),
+            None => {
+                let factor = self.factor("port", at, Quantity::ExternalLoad);
+                let unit = Quantity::ExternalLoad.units(self.path)[0].0;
+                let factor = factor.map_err(|error| match error {
+                    PlantError::Unit { what, .. } => {
+                        let or =
+                            format!("{what}; or give factor = what one of its unit is in {unit}");
+                        self.wrong("port", at, or)
+                    }
+                    other => other,
+                })?;
+                Ok((at, factor))
+            }
         }
     }
 
