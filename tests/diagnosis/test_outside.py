@@ -13,6 +13,8 @@ from conftest import diagnosed
         pytest.param("outside_friction_bump", 106002, marks=pytest.mark.long),
         # The same with one peak certain, and one that was an offset.
         pytest.param("outside_friction_bump", 136016, marks=pytest.mark.long),
+        # The same with an offset of the load cell: together they bent like the bump.
+        pytest.param("outside_friction_bump", 985002, marks=pytest.mark.long),
         # Once refused: the drive was too weak to turn, and u thought to be in mV.
         pytest.param("outside_torque_saturation", 136005, marks=pytest.mark.long),
     ],

@@ -25,4 +25,5 @@ pub mod start;
 pub mod structure;
 pub mod swing;
 pub mod term;
+mod told;
 pub mod unit;

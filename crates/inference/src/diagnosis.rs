@@ -4,8 +4,8 @@ use crate::certainty::ReplayedEstimates;
 use crate::check::{Check, check};
 use crate::data::BLOCK;
 use crate::fit::Fit;
-use crate::learned::{Learned, learn};
-use crate::policy::SURELY;
+use crate::learned::{Learned, friction_over_speed, learn};
+use crate::policy::{LN_PRIOR_ODDS, SURELY};
 use crate::problem::Problem;
 use crate::search::{Candidate, Objection, search};
 pub use crate::sets::Verdict;
@@ -92,7 +92,16 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
     } else {
         structures(data, &best.fit)
     };
-    let check = check(problem, &best.fit, &structure_left, progress);
+    let mut check = check(problem, &best.fit, &structure_left, progress);
+    if check.is_passed()
+        && let Some(lead) = lead_of_function(problem, &found.base.fit, best, progress)
+        && lead > 0.0
+    {
+        check.reasons.push(format!(
+            "friction as a free function of the speed explains more than {}, by {lead:.0} in log evidence",
+            best.effects.join(" and ")
+        ));
+    }
     let learned = if check.is_passed() {
         None
     } else {
@@ -124,6 +133,22 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
         check,
         learned,
     }
+}
+
+/// Log odds of friction that is a free function of the speed over a set with a law of velocity and acceleration. Such a law bends almost
+/// as freely, so that it must explain more.
+fn lead_of_function(
+    problem: &Problem,
+    base: &Fit,
+    set: &Candidate,
+    progress: &mut dyn FnMut(&str),
+) -> Option<f64> {
+    if !set.fit.hypothesis.rig.law.has_branches() || problem.rig.law.has_branches() {
+        return None;
+    }
+    let function = friction_over_speed(problem, base, progress)?;
+    let fewer = set.effects.len() as f64 - 1.0;
+    Some(function.gain_over(&set.told) - LN_PRIOR_ODDS * fewer)
 }
 
 fn probability_of(ranking: &[Rival], effect: &str) -> f64 {

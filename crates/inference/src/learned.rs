@@ -10,12 +10,13 @@ mod state;
 mod table;
 
 use self::basis::{Basis, KNOTS};
-pub use self::family::{FAMILIES, Family};
+pub use self::family::{FAMILIES, FRICTION_OVER_SPEED, Family};
 use self::state::{State, fitted, in_weights, tabulated};
 pub use self::table::TableEffect;
 use crate::data::{Data, reduced};
 use crate::evidence::Told;
 use crate::fit::{Fit, STEPS};
+use crate::hypothesis::Hypothesis;
 use crate::marginal::Disturbance;
 use crate::policy::{FAR, LN_PRIOR_ODDS};
 use crate::problem::Problem;
@@ -52,50 +53,21 @@ pub struct Learned {
 #[must_use]
 pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> Option<Learned> {
     progress("what a free function explains");
-    let long = &problem.long;
-    // Fluctuating friction stands in for what is missing: the function is learned as if there were none.
-    let [short, data] =
-        [&problem.short, long].map(|data| data.clone().finely_divided().with_motor_torques());
-    let begun = |data: &Data, starts: Vec<Start>| {
-        Fit::at(data, base.hypothesis.clone(), starts, Disturbance::NONE)
-            .improved_calmly(data, CLOSER)
-    };
-    let base = begun(&data, without_torques(&base.starts));
-    let without = base.told(&data);
-    // Over short windows even a wrong model stays near the motion, so that a step tells what a function will do.
-    let is_far = base.misfit(&data) > FAR;
-    let (first, fit) = if is_far {
-        (&short, &begun(&short, short.anchors()))
-    } else {
-        (&data, &base)
-    };
-    let mut best: Option<(Told, State, Basis<'_>, DMatrix<f64>)> = None;
-    for (_, basis, root) in looks(problem, first, fit) {
-        progress(&basis.family.name());
-        let nothing = (fit.hypothesis.clone(), DVector::zeros(KNOTS));
-        let mut state = fitted(&basis, first, &root, nothing, fit.starts.clone());
-        if is_far {
-            let carried = |near: State| fitted(&basis, &data, &root, near.values(), data.anchors());
-            state = state.and_then(carried);
-        }
-        let Some(state) = state else {
-            continue;
-        };
-        let told = state.told(&data);
-        let is_better = |(other, ..): &(Told, _, _, _)| told.total() > other.total();
-        if best.as_ref().is_none_or(is_better) {
-            best = Some((told, state, basis, root));
-        }
-    }
-    let (told, state, basis, root) = best?;
-    let gain = told.total() - without.total();
+    let ground = Ground::new(problem, base);
+    let Best {
+        told,
+        state,
+        basis,
+        root,
+    } = ground.best(&FAMILIES, progress)?;
+    let gain = told.total() - ground.base.told(&ground.data).total();
     if gain < -LN_PRIOR_ODDS {
         return None;
     }
     let (table, deviations) = tabulated(&basis, &state, &root)?;
     let hypothesis = state.fit.hypothesis.clone();
     let starts = without_torques(&state.fit.starts);
-    let fit = Fit::at(long, hypothesis, starts, Disturbance::NONE);
+    let fit = Fit::at(&problem.long, hypothesis, starts, Disturbance::NONE);
     Some(Learned {
         family: basis.family,
         range: [
@@ -104,9 +76,100 @@ pub fn learn(problem: &Problem, base: &Fit, progress: &mut dyn FnMut(&str)) -> O
         ],
         table,
         deviations,
-        fit: fit.improved(long, STEPS),
+        fit: fit.improved(&problem.long, STEPS),
         gain,
     })
+}
+
+/// Log evidence of friction that is a free function of the speed, on top of `base`, the analyst's refitted model.
+#[must_use]
+pub fn friction_over_speed(
+    problem: &Problem,
+    base: &Fit,
+    progress: &mut dyn FnMut(&str),
+) -> Option<Told> {
+    let ground = Ground::new(problem, base);
+    let best = ground.best(&[FRICTION_OVER_SPEED], progress)?;
+    Some(best.told)
+}
+
+/// What functions are fitted to.
+struct Ground<'a> {
+    problem: &'a Problem,
+    /// The windows in small pieces.
+    data: Data,
+    /// The same for short windows.
+    short: Data,
+    /// The analyst's refitted model on them.
+    base: Fit,
+}
+
+/// The best function of some families.
+struct Best<'a> {
+    told: Told,
+    state: State,
+    basis: Basis<'a>,
+    root: DMatrix<f64>,
+}
+
+impl<'a> Ground<'a> {
+    fn new(problem: &'a Problem, base: &Fit) -> Self {
+        // Fluctuating friction stands in for what is missing: the function is learned as if there were none.
+        let [short, data] = [&problem.short, &problem.long]
+            .map(|data| data.clone().finely_divided().with_motor_torques());
+        let hypothesis = base.hypothesis.clone();
+        Self {
+            problem,
+            base: begun(&data, hypothesis, without_torques(&base.starts)),
+            data,
+            short,
+        }
+    }
+
+    /// The function of the families given that explains most.
+    fn best(&self, families: &[Family], progress: &mut dyn FnMut(&str)) -> Option<Best<'a>> {
+        let Self {
+            problem,
+            data,
+            short,
+            base,
+        } = self;
+        // Over short windows even a wrong model stays near the motion, so that a step tells what a function will do.
+        let is_far = base.misfit(data) > FAR;
+        let near = is_far.then(|| begun(short, base.hypothesis.clone(), short.anchors()));
+        let (first, fit) = near.as_ref().map_or((data, base), |near| (short, near));
+        let mut best: Option<Best<'a>> = None;
+        for (_, basis, root) in looks(problem, first, fit, families) {
+            progress(&basis.family.name());
+            let nothing = (fit.hypothesis.clone(), DVector::zeros(KNOTS));
+            let mut state = fitted(&basis, first, &root, nothing, fit.starts.clone());
+            if is_far {
+                let carried =
+                    |near: State| fitted(&basis, data, &root, near.values(), data.anchors());
+                state = state.and_then(carried);
+            }
+            let Some(state) = state else {
+                continue;
+            };
+            let told = state.told(data);
+            if best
+                .as_ref()
+                .is_none_or(|other| told.total() > other.told.total())
+            {
+                best = Some(Best {
+                    told,
+                    state,
+                    basis,
+                    root,
+                });
+            }
+        }
+        best
+    }
+}
+
+fn begun(data: &Data, hypothesis: Hypothesis, starts: Vec<Start>) -> Fit {
+    Fit::at(data, hypothesis, starts, Disturbance::NONE).improved_calmly(data, CLOSER)
 }
 
 /// The same starts for pieces of another length, in which these torques have no place.
@@ -118,7 +181,12 @@ fn without_torques(starts: &[Start]) -> Vec<Start> {
 }
 
 /// The families that promise most in one step from `base`, each with the smoothness and the size that do.
-fn looks<'a>(problem: &'a Problem, data: &Data, base: &Fit) -> Vec<(f64, Basis<'a>, DMatrix<f64>)> {
+fn looks<'a>(
+    problem: &'a Problem,
+    data: &Data,
+    base: &Fit,
+    families: &[Family],
+) -> Vec<(f64, Basis<'a>, DMatrix<f64>)> {
     let own = base.hypothesis.dimension();
     let mut precisions = base.hypothesis.prior_precisions();
     let mut x = base.hypothesis.x.clone();
@@ -129,10 +197,10 @@ fn looks<'a>(problem: &'a Problem, data: &Data, base: &Fit) -> Vec<(f64, Basis<'
             .iter()
             .flat_map(|reach| SIZES.map(|size| (*reach, size)))
     };
-    let mut looks: Vec<(f64, Basis<'_>, DMatrix<f64>)> = FAMILIES
-        .into_iter()
+    let mut looks: Vec<(f64, Basis<'_>, DMatrix<f64>)> = families
+        .iter()
         .filter_map(|family| {
-            let basis = Basis::new(problem, family, &base.grams)?;
+            let basis = Basis::new(problem, *family, &base.grams)?;
             let augmented = basis.augmented(&base.grams, &[0.0; KNOTS]);
             let forms = reduced(data, &base.starts, &augmented, &base.disturbance);
             let told = |(reach, size)| {

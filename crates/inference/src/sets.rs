@@ -17,8 +17,12 @@ pub trait EffectSet: Clone {
     fn odds(&self) -> f64;
     /// Log odds of this set over `other`.
     fn odds_over(&self, other: &Self) -> f64;
-    /// Log odds by which a set must lead one with fewer effects to be better.
+    /// Log odds by which a set must lead a plainer one to be better.
     fn least_lead() -> f64;
+    /// How much it takes to say what is missing: a set of which this is less is plainer.
+    fn size(&self) -> usize {
+        self.effects().len()
+    }
 
     /// Log evidence with prior odds; −∞ for a set that is no answer.
     fn score(&self) -> f64 {
@@ -118,7 +122,7 @@ fn strongest<S: EffectSet>(known: &[S], effects: usize, most: usize) -> Vec<S> {
 pub fn best_first<S: EffectSet>(known: &mut [S]) {
     known.sort_by(|a, b| b.score().total_cmp(&a.score()));
     let mut order: Vec<usize> = (0..known.len()).collect();
-    order.sort_by_key(|at| known[*at].effects().len());
+    order.sort_by_key(|at| known[*at].size());
     let best = order.into_iter().reduce(|best, other| {
         let is_better = known[other].is_answer() && leads(&known[other], &known[best]);
         if is_better { other } else { best }
@@ -128,9 +132,9 @@ pub fn best_first<S: EffectSet>(known: &mut [S]) {
     }
 }
 
-/// Whether a set leads another that has no more effects.
+/// Whether a set leads another that is no larger.
 fn leads<S: EffectSet>(set: &S, other: &S) -> bool {
-    let is_larger = set.effects().len() > other.effects().len();
+    let is_larger = set.size() > other.size();
     let least = if is_larger { S::least_lead() } else { 0.0 };
     set.odds_over(other) > least
 }

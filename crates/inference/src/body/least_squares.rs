@@ -65,6 +65,15 @@ impl Coordinates {
             .collect()
     }
 
+    /// The step, or that part of it in which no positive number changes by more than a factor of e: derivatives tell no more of it, and
+    /// an effect whose width ran away has none.
+    fn shortened(&self, step: DVector<f64>) -> DVector<f64> {
+        let places = self.places.iter().zip(step.iter());
+        let logarithms = places.filter(|((.., range, _), _)| *range == Range::Positive);
+        let largest = logarithms.fold(1.0, |largest, (_, own)| own.abs().max(largest));
+        step / largest
+    }
+
     fn set(&self, model: &Model, coordinates: &[f64]) -> Model {
         let mut model = model.clone();
         for (&(term, at, range, scale), x) in self.places.iter().zip(coordinates) {
@@ -209,6 +218,7 @@ pub fn fit_from(problem: &dyn Problem, start: &Start, without: Option<usize>, st
         let before = best.loss;
         while damping < HOPELESS {
             if let Some(step) = damped_step(&normal, &gradient, damping) {
+                let step = coordinates.shortened(step);
                 let moved: Vec<f64> = x.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect();
                 let model = coordinates.set(&best.model, &moved);
                 let residuals = errors(problem, &model);

@@ -2,18 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::equation::uses;
 use super::evidence::Errors;
-use super::least_squares::{Fit, fit, intervals};
+use super::least_squares::{Fit, fit};
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
-use super::term::{Entry, Formula};
+use super::term::Entry;
+use super::told::Told;
 use crate::policy::{LN_PRIOR_ODDS, sure_odds};
 use crate::sets::{EffectSet, Moves, explore, is_same, keep, probabilities};
 use stickslip::body::Kind;
 use stickslip::body::coordinate::TIME;
-use stickslip::parameter::Range;
 
 /// Most effects in a set. It bounds the search and decides nothing: EMPS, the richest of the real measurements, comes to seven.
 pub const MOST_EFFECTS: usize = 8;
@@ -36,13 +35,20 @@ pub struct Candidate {
     pub errors: Errors,
     /// Gain in ln likelihood over the analyst's refitted model.
     evidence: f64,
-    /// Effects whose size may be zero, or one of whose scales may be any ([`unneeded`]).
+    /// What its places and widths cost, in log odds ([`Told`]).
+    price: f64,
+    /// Effects whose size may be zero, or whose widths may be any ([`Told`]).
     unneeded: Vec<&'static str>,
 }
 
 impl EffectSet for Candidate {
     fn least_lead() -> f64 {
         sure_odds()
+    }
+
+    /// The numbers that records must tell: two effects of one number each are plainer than one of three.
+    fn size(&self) -> usize {
+        self.entries.iter().map(|own| own.parameters.len()).sum()
     }
 
     fn effects(&self) -> &[&'static str] {
@@ -58,14 +64,19 @@ impl EffectSet for Candidate {
     }
 
     fn odds(&self) -> f64 {
-        self.evidence + LN_PRIOR_ODDS * self.names.len() as f64
+        self.evidence + self.prior()
     }
 
     fn odds_over(&self, other: &Self) -> f64 {
-        let more = self.names.len() as f64 - other.names.len() as f64;
-        self.errors
-            .gain_over(&other.errors)
-            .odds(LN_PRIOR_ODDS * more)
+        let gain = self.errors.gain_over(&other.errors);
+        gain.odds(self.prior() - other.prior())
+    }
+}
+
+impl Candidate {
+    /// Log prior odds of its effects, less what their places and widths cost.
+    fn prior(&self) -> f64 {
+        LN_PRIOR_ODDS * self.names.len() as f64 + self.price
     }
 }
 
@@ -166,6 +177,7 @@ pub fn name(
         errors: Errors::left_out(problem, &fit, scales),
         fit,
         evidence: 0.0,
+        price: 0.0,
         unneeded: Vec::new(),
     };
     let mut sets = vec![base.clone()];
@@ -191,9 +203,7 @@ pub fn name(
 /// what changes with time passes for a loss that changes with the amplitude.
 #[must_use]
 pub fn shows(entry: &Entry, kind: Kind, records: usize) -> bool {
-    let by_time =
-        matches!(entry.formula, Formula::Equation { operations, .. } if uses(operations, TIME));
-    !by_time || !kind.runs_alone() || records > 1
+    !entry.uses(TIME) || !kind.runs_alone() || records > 1
 }
 
 /// What sets of effects are fitted to.
@@ -207,9 +217,11 @@ struct Ground<'a> {
 impl Ground<'_> {
     fn set(&self, entries: Vec<&'static Entry>, fit: Fit) -> Candidate {
         let errors = Errors::left_out(self.problem, &fit, self.scales);
+        let Told { unneeded, price } = Told::of(self.problem, self.scales, &fit, &entries);
         Candidate {
             names: entries.iter().map(|entry| entry.name).collect(),
-            unneeded: unneeded(self.problem, self.scales, &fit, &entries),
+            unneeded,
+            price,
             evidence: errors.gain_over(&self.base.errors).value,
             entries,
             fit,
@@ -303,43 +315,4 @@ impl Moves for Pieces<'_, '_> {
             }
         }
     }
-}
-
-/// The effects whose size has zero in its 95 % interval, and those with a scale that has: over a scale of any size nothing changes, so
-/// that a plainer effect explains as much.
-fn unneeded(
-    problem: &dyn Problem,
-    scales: &Scales,
-    fit: &Fit,
-    entries: &[&'static Entry],
-) -> Vec<&'static str> {
-    let known = intervals(problem, fit, scales);
-    let Model { kind, path, .. } = fit.model;
-    let terms = fit.model.terms();
-    let is_needed = |entry: &'static Entry| {
-        let at = terms.iter().position(|term| term.entry == entry)?;
-        let is_told = |number: usize, from: f64| {
-            let own = known
-                .iter()
-                .find(|own| (own.term, own.number) == (at, number));
-            own.is_some_and(|own| own.half_width < (terms[at].values[number] - from).abs())
-        };
-        let free = fit.model.free().into_iter();
-        let mut scales_of =
-            free.filter(|(term, _, own)| *term == at && own.range == Range::Positive);
-        let origins = entry.origins(kind, path, scales);
-        let mut sizes = origins
-            .iter()
-            .enumerate()
-            .filter_map(|(number, origin)| Some(is_told(number, (*origin)?)));
-        let has_size = match sizes.next() {
-            Some(first) => first || sizes.any(|is_told| is_told),
-            None => true,
-        };
-        Some(has_size && scales_of.all(|(_, number, _)| is_told(number, 0.0)))
-    };
-    let names = entries
-        .iter()
-        .filter(|entry| is_needed(entry) != Some(true));
-    names.map(|entry| entry.name).collect()
 }

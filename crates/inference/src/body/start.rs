@@ -5,7 +5,8 @@ use crate::numbers::{self, Known, Number, PHASES, USUAL, places, recognise};
 use super::motion::Scales;
 use super::term::{Entry, Sample};
 use super::unit::Usual as _;
-use stickslip::body::{Kind, Path};
+use stickslip::body::coordinate::TIME;
+use stickslip::body::{Dimension, Kind, Parameter, Path};
 
 /// Share of its usual size at which a fit starts: small enough to leave the model near the analyst's, large enough that the numbers that
 /// shape the effect have derivatives.
@@ -20,25 +21,16 @@ pub fn values(entry: &Entry, kind: Kind, path: Path, scales: &Scales) -> Option<
     Some(numbers::starts(&numbers, NEAR, &PHASES))
 }
 
-/// The values at which an effect vanishes, of each of its numbers that decides that.
+/// What each number of an effect does; `None` where no value of them makes it vanish.
 #[must_use]
-pub fn origins(entry: &Entry, kind: Kind, path: Path, scales: &Scales) -> Vec<Option<f64>> {
-    let numbers = recognised(entry, kind, path, scales).unwrap_or_default();
-    let origin = |number: &Number| match number {
-        Number::Amplitude { origin, .. } => Some(*origin),
-        Number::Phase | Number::Shape { .. } => None,
-    };
-    numbers.iter().map(origin).collect()
-}
-
-fn recognised(entry: &Entry, kind: Kind, path: Path, scales: &Scales) -> Option<Vec<Number>> {
+pub fn recognised(entry: &Entry, kind: Kind, path: Path, scales: &Scales) -> Option<Vec<Number>> {
     let known: Vec<Known<'_>> = entry
         .parameters
         .iter()
         .map(|own| Known {
             range: own.range,
             unit: own.dimension.unit(kind, path),
-            natural: own.dimension.scale(scales),
+            natural: natural(entry, own, scales),
             guess: own.guess,
         })
         .collect();
@@ -52,6 +44,17 @@ fn recognised(entry: &Entry, kind: Kind, path: Path, scales: &Scales) -> Option<
         moments.iter().map(force).collect()
     };
     recognise(&known, USUAL * scales.force, &values)
+}
+
+/// How large such a number usually is. A moment of the records is known to their duration, whatever else takes seconds on the plant.
+fn natural(entry: &Entry, parameter: &Parameter, scales: &Scales) -> f64 {
+    let is_moment =
+        matches!(parameter.dimension, Dimension::Si { unit: "s", .. }) && entry.uses(TIME);
+    if is_moment {
+        scales.duration
+    } else {
+        parameter.dimension.scale(scales)
+    }
 }
 
 /// A moment of the records, from shares of 0 to 1.

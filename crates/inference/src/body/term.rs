@@ -3,10 +3,11 @@
 use operations::Operation;
 use stickslip::body::{Kind, Parameter, Path};
 
-use super::equation::Moments;
+use super::equation::{Moments, uses};
 use super::motion::Scales;
 use super::start;
 use super::unit::Usual as _;
+use crate::numbers::Number;
 
 /// One moment of a record.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -218,13 +219,27 @@ impl Entry {
         }
     }
 
-    /// The values at which it vanishes, of each number that decides that; none of a law, which takes another's place.
+    /// Whether its equation uses this coordinate; false of what no equation describes.
     #[must_use]
-    pub fn origins(&self, kind: Kind, path: Path, scales: &Scales) -> Vec<Option<f64>> {
+    pub fn uses(&self, coordinate: usize) -> bool {
+        matches!(self.formula, Formula::Equation { operations, .. } if uses(operations, coordinate))
+    }
+
+    /// What each of its numbers does; nothing of a law, which takes another's place.
+    #[must_use]
+    pub fn numbers(&self, kind: Kind, path: Path, scales: &Scales) -> Vec<Number> {
         match self.formula {
-            Formula::Equation { .. } => start::origins(self, kind, path, scales),
+            Formula::Equation { .. } => {
+                start::recognised(self, kind, path, scales).unwrap_or_default()
+            }
             Formula::Code { .. } if self.role == Role::Law => Vec::new(),
-            _ => vec![Some(0.0); self.parameters.len()],
+            _ => {
+                let sizes = self.parameters.iter().map(|own| Number::Amplitude {
+                    origin: 0.0,
+                    scale: own.dimension.scale(scales),
+                });
+                sizes.collect()
+            }
         }
     }
 

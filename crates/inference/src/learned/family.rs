@@ -26,10 +26,13 @@ const fn family(port: Port, over: Coordinate, times: Option<Coordinate>) -> Fami
     Family { port, over, times }
 }
 
+/// A factor of the friction that is a function of the speed: a law without acceleration.
+pub const FRICTION_OVER_SPEED: Family = family(Port::DiscFriction, Coordinate::Velocity, None);
+
 /// All families.
 pub const FAMILIES: [Family; 14] = [
     family(Port::DiscFriction, Coordinate::Angle, None),
-    family(Port::DiscFriction, Coordinate::Velocity, None),
+    FRICTION_OVER_SPEED,
     family(Port::DiscFriction, Coordinate::Load, None),
     family(Port::DiscFriction, Coordinate::Time, None),
     family(Port::DiscTorque, Coordinate::Angle, None),

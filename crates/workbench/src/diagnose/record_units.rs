@@ -412,7 +412,7 @@ fn guess(ratio: f64, angle: &str, rate: &str, gear_ratio: f64) -> String {
         .filter(|(distance, _)| *distance < SCALE_TOLERANCE)
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map_or_else(
-            || "which units are they in? They must be rad and rad/s".to_owned(),
+            || "no units differ so: does one of the two instruments have another scale? Put it right, or leave one of the two columns out".to_owned(),
             |(_, text)| text,
         )
 }

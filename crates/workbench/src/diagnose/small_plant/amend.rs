@@ -49,10 +49,10 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
     }
     let likeliest = weighed().max_by(|a, b| a.1.total_cmp(b.1));
     if let Some((set, probability)) = likeliest
-        && set.names.len() > best.names.len()
+        && set.size() > best.size()
     {
         found.finding.notes.push(format!(
-            "{} would be likelier, with a probability of {}; an effect more is named if it is surer than {NAMED}",
+            "{} would be likelier, with a probability of {}; a set of more numbers is named if it is surer than {NAMED}",
             readable(&joined(&set.names)),
             number(*probability)
         ));

@@ -1,0 +1,75 @@
+//! What records tell of the numbers of a set's effects.
+
+use super::least_squares::{Fit, intervals};
+use super::model::Model;
+use super::motion::Scales;
+use super::problem::Problem;
+use super::term::Entry;
+use crate::numbers::Number;
+use crate::policy::SURELY;
+use stickslip::parameter::Range;
+
+/// What records tell of the numbers of a set's effects.
+pub struct Told {
+    /// The effects whose size has zero in its 95 % interval, and those with widths all of which have: over a width of any size nothing
+    /// changes, so that a plainer effect explains as much. Where one is told, another may be too small for the records: friction that
+    /// sets in at a known moment may do so at once. Of a law, all numbers must be told.
+    pub unneeded: Vec<&'static str>,
+    /// Log of the share of their usual values that places and widths may still have, by Laplace's method: what it costs that they could
+    /// have been anything and must be just these.
+    pub price: f64,
+}
+
+impl Told {
+    /// Of these effects in a fit.
+    #[must_use]
+    pub fn of(
+        problem: &dyn Problem,
+        scales: &Scales,
+        fit: &Fit,
+        entries: &[&'static Entry],
+    ) -> Self {
+        let known = intervals(problem, fit, scales);
+        let mut told = Self {
+            unneeded: Vec::new(),
+            price: 0.0,
+        };
+        for entry in entries {
+            let terms = fit.model.terms();
+            let Some(at) = terms.iter().position(|term| term.entry == *entry) else {
+                continue;
+            };
+            let half_width = |number: usize| {
+                let own = known
+                    .iter()
+                    .find(|own| (own.term, own.number) == (at, number));
+                own.map(|own| own.half_width)
+            };
+            let differs = |number: usize, from: f64| {
+                let distance = (terms[at].values[number] - from).abs();
+                half_width(number).is_some_and(|half| half < distance)
+            };
+            let Model { kind, path, .. } = fit.model;
+            let numbers = entry.numbers(kind, path, scales);
+            let (mut sizes, mut widths, mut is_whole) = (Vec::new(), Vec::new(), true);
+            for (number, parameter) in entry.parameters.iter().enumerate() {
+                let is_positive = parameter.range == Range::Positive;
+                match numbers.get(number) {
+                    Some(Number::Amplitude { origin, .. }) => sizes.push(differs(number, *origin)),
+                    Some(Number::Shape { scale, .. }) => {
+                        let error = half_width(number).map_or(*scale, |half| half / SURELY);
+                        told.price += (error / scale).min(1.0).ln();
+                        widths.extend(is_positive.then(|| differs(number, 0.0)));
+                    }
+                    Some(Number::Phase) => {}
+                    None => is_whole &= !is_positive || differs(number, 0.0),
+                }
+            }
+            let is_any_told = |numbers: &[bool]| numbers.is_empty() || numbers.contains(&true);
+            if !(is_whole && is_any_told(&sizes) && is_any_told(&widths)) {
+                told.unneeded.push(entry.name);
+            }
+        }
+        told
+    }
+}
