@@ -47,7 +47,7 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
     let first = candidate(&part, fit_from(&part, part.hypothesis(), None, true));
     let mut known = vec![first.clone()];
     // Parts of the best set are tried with all effects once: on a part of the windows, or where that was right at once, on all.
-    let is_wrong = is_wrong(&part, &first.fit);
+    let is_wrong = first.fit.calm(&part.long).misfit(&part.long) > WRONG;
     if is_wrong {
         let mut moves = Windows {
             problem: &part,
@@ -83,11 +83,6 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
         numbers,
         base,
     }
-}
-
-/// Whether a fit leaves more than the instruments' noise where friction does not fluctuate.
-fn is_wrong(problem: &Problem, fit: &Fit) -> bool {
-    fit.calm(&problem.long).misfit(&problem.long) > WRONG
 }
 
 fn named(effects: &[&str]) -> String {
@@ -265,9 +260,8 @@ fn own_names(hypothesis: &Hypothesis) -> Vec<&str> {
     hypothesis.effects.iter().map(String::as_str).collect()
 }
 
-/// Fits the laws that `current` may have, from the starts that the records suggest beside the numbers of its other effects: those with
-/// fewer numbers, since a law with more can imitate them, and its own, since the other effects may not have been there when the law was
-/// added. A law alone starts anew if it leaves more than noise: on a part of the windows another start may have led.
+/// Fits the laws that `current` may have, from the starts that the records suggest beside the numbers of its other effects: its own,
+/// since those may not have been there when the law was added, and those with fewer numbers, since a law with more can imitate them.
 fn try_laws(
     problem: &Problem,
     current: &Candidate,
@@ -287,8 +281,7 @@ fn try_laws(
         let first = starts.first().map(Hypothesis::dimension);
         first.is_some_and(|numbers| numbers < current.fit.hypothesis.dimension())
     };
-    let starts_anew = !others.is_empty() || is_wrong(problem, &current.fit);
-    for law in laws().filter(|law| law.name == own.name && starts_anew || is_simpler(law)) {
+    for law in laws().filter(|law| law.name == own.name && !others.is_empty() || is_simpler(law)) {
         let looks = looks(problem, &without, &[law], progress);
         let fits = followed(problem, &without, looks, progress)
             .into_iter()
