@@ -99,7 +99,7 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
     {
         check.reasons.push(format!(
             "friction as a free function of the speed explains more than {}, by {lead:.0} in log evidence",
-            best.effects.join(" and ")
+            best.effects.join(" and ").replace('_', " ")
         ));
     }
     let learned = if check.is_passed() {

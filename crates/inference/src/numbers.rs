@@ -55,6 +55,17 @@ impl Known<'_> {
     }
 }
 
+/// How large a number of this unit in an equation usually is: the records' `duration` for a moment of them, else what the plant's size
+/// says.
+#[must_use]
+pub fn natural(unit: &str, uses_time: bool, duration: f64, by_size: f64) -> f64 {
+    if unit == "s" && uses_time {
+        duration
+    } else {
+        by_size
+    }
+}
+
 /// One number of an effect.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Number {

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
+use super::certainty::Certainty;
 use super::evidence::Errors;
 use super::least_squares::{Fit, fit};
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
 use super::term::Entry;
-use super::told::Told;
 use crate::policy::{LN_PRIOR_ODDS, sure_odds};
 use crate::sets::{EffectSet, Moves, explore, is_same, keep, probabilities};
 use stickslip::body::Kind;
@@ -35,9 +35,9 @@ pub struct Candidate {
     pub errors: Errors,
     /// Gain in ln likelihood over the analyst's refitted model.
     evidence: f64,
-    /// What its places and widths cost, in log odds ([`Told`]).
+    /// What its places and widths cost, in log odds ([`Certainty`]).
     price: f64,
-    /// Effects whose size may be zero, or whose widths may be any ([`Told`]).
+    /// Effects whose size may be zero, or whose widths may be any ([`Certainty`]).
     unneeded: Vec<&'static str>,
 }
 
@@ -217,7 +217,8 @@ struct Ground<'a> {
 impl Ground<'_> {
     fn set(&self, entries: Vec<&'static Entry>, fit: Fit) -> Candidate {
         let errors = Errors::left_out(self.problem, &fit, self.scales);
-        let Told { unneeded, price } = Told::of(self.problem, self.scales, &fit, &entries);
+        let Certainty { unneeded, price } =
+            Certainty::of(self.problem, self.scales, &fit, &entries);
         Candidate {
             names: entries.iter().map(|entry| entry.name).collect(),
             unneeded,

@@ -6,7 +6,7 @@ use super::motion::Scales;
 use super::term::{Entry, Sample};
 use super::unit::Usual as _;
 use stickslip::body::coordinate::TIME;
-use stickslip::body::{Dimension, Kind, Parameter, Path};
+use stickslip::body::{Kind, Path};
 
 /// Share of its usual size at which a fit starts: small enough to leave the model near the analyst's, large enough that the numbers that
 /// shape the effect have derivatives.
@@ -27,11 +27,15 @@ pub fn recognised(entry: &Entry, kind: Kind, path: Path, scales: &Scales) -> Opt
     let known: Vec<Known<'_>> = entry
         .parameters
         .iter()
-        .map(|own| Known {
-            range: own.range,
-            unit: own.dimension.unit(kind, path),
-            natural: natural(entry, own, scales),
-            guess: own.guess,
+        .map(|own| {
+            let unit = own.dimension.unit(kind, path);
+            let by_size = own.dimension.scale(scales);
+            Known {
+                range: own.range,
+                unit,
+                natural: numbers::natural(unit, entry.uses(TIME), scales.duration, by_size),
+                guess: own.guess,
+            }
         })
         .collect();
     let moments: Vec<Sample> = places()
@@ -44,17 +48,6 @@ pub fn recognised(entry: &Entry, kind: Kind, path: Path, scales: &Scales) -> Opt
         moments.iter().map(force).collect()
     };
     recognise(&known, USUAL * scales.force, &values)
-}
-
-/// How large such a number usually is. A moment of the records is known to their duration, whatever else takes seconds on the plant.
-fn natural(entry: &Entry, parameter: &Parameter, scales: &Scales) -> f64 {
-    let is_moment =
-        matches!(parameter.dimension, Dimension::Si { unit: "s", .. }) && entry.uses(TIME);
-    if is_moment {
-        scales.duration
-    } else {
-        parameter.dimension.scale(scales)
-    }
 }
 
 /// A moment of the records, from shares of 0 to 1.

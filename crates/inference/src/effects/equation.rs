@@ -98,10 +98,10 @@ impl Magnitudes {
 
     /// A number of the parameter's unit that is as large as such numbers are on this plant.
     fn natural(&self, definition: &Definition, info: &ParameterInfo) -> f64 {
-        if info.unit == "s" && definition.uses(Coordinate::Time) {
-            return self.duration;
-        }
-        Dimension::of_unit(info.unit).map_or(1.0, |dimension| dimension.scale(self.sizes))
+        let by_size =
+            Dimension::of_unit(info.unit).map_or(1.0, |dimension| dimension.scale(self.sizes));
+        let uses_time = definition.uses(Coordinate::Time);
+        numbers::natural(info.unit, uses_time, self.duration, by_size)
     }
 }
 

@@ -25,6 +25,18 @@ parameters.ripple = { unit = "force", description = "Largest torque" }
 parameters.phase = { unit = "rad", description = "Nine times the angle of the largest torque" }
 "#;
 
+/// Friction that is there from one moment on.
+const ONSET: &str = r#"
+[[effect]]
+name = "onset"
+title = "friction that is there from one moment on"
+port = "plant.friction"
+equation = "later*(1 + tanh((time - moment)/transition))/2*direction"
+parameters.later = { unit = "force", description = "Friction after the moment" }
+parameters.moment = { unit = "s", range = "positive", description = "When it begins" }
+parameters.transition = { unit = "s", range = "positive", description = "Time that it takes" }
+"#;
+
 fn bump(_: f64, rate: f64, _: f64, _: f64, _: f64) -> f64 {
     0.8 * (-((rate.abs() - 3.0) / 0.8).powi(2)).exp() * rate.signum()
 }
@@ -76,16 +88,27 @@ fn suspects_that_are_not_missing_are_not_named_beside_what_is() {
 }
 
 #[test]
+fn a_suspect_that_sets_in_at_once_is_named_with_its_moment() {
+    let hidden = |_: f64, rate: f64, _: f64, _: f64, time: f64| {
+        if time > 11.0 {
+            0.8 * rate.signum()
+        } else {
+            0.0
+        }
+    };
+    let place = suspecting(BALANCE, hidden, &[ONSET]);
+    let (found, text) = place.diagnosed(0);
+    assert_eq!(names(&found), ["onset"], "{text}");
+    let moment = found.finding.effects[0].parameters["moment"].value;
+    assert!((moment - 11.0).abs() < 0.1, "{moment}");
+}
+
+#[test]
 fn a_suspect_of_many_numbers_does_not_pass_for_a_sum_of_plain_effects() {
-    let onset = "[[effect]]\nname = \"onset\"\ntitle = \"friction that is there from one moment on\"\nport = \"plant.friction\"\n\
-                 equation = \"later*(1 + tanh((time - moment)/transition))/2*direction\"\n\
-                 parameters.later = { unit = \"force\", description = \"Friction after the moment\" }\n\
-                 parameters.moment = { unit = \"s\", range = \"positive\", description = \"When it begins\" }\n\
-                 parameters.transition = { unit = \"s\", range = \"positive\", description = \"Time that it takes\" }\n";
     let hidden = |_: f64, rate: f64, _: f64, _: f64, time: f64| {
         0.6 * (1.0 + 0.8 * time / 25.0) * rate.signum()
     };
-    let place = suspecting(BALANCE, hidden, &[onset]);
+    let place = suspecting(BALANCE, hidden, &[ONSET]);
     let (found, text) = place.diagnosed(0);
     assert_eq!(
         names(&found),

@@ -1,4 +1,4 @@
-//! What records tell of the numbers of a set's effects.
+//! How certain the numbers of a set's effects are.
 
 use super::least_squares::{Fit, intervals};
 use super::model::Model;
@@ -9,8 +9,8 @@ use crate::numbers::Number;
 use crate::policy::SURELY;
 use stickslip::parameter::Range;
 
-/// What records tell of the numbers of a set's effects.
-pub struct Told {
+/// How certain the numbers of a set's effects are.
+pub struct Certainty {
     /// The effects whose size has zero in its 95 % interval, and those with widths all of which have: over a width of any size nothing
     /// changes, so that a plainer effect explains as much. Where one is told, another may be too small for the records: friction that
     /// sets in at a known moment may do so at once. Of a law, all numbers must be told.
@@ -20,7 +20,7 @@ pub struct Told {
     pub price: f64,
 }
 
-impl Told {
+impl Certainty {
     /// Of these effects in a fit.
     #[must_use]
     pub fn of(
@@ -30,7 +30,7 @@ impl Told {
         entries: &[&'static Entry],
     ) -> Self {
         let known = intervals(problem, fit, scales);
-        let mut told = Self {
+        let mut certainty = Self {
             unneeded: Vec::new(),
             price: 0.0,
         };
@@ -58,7 +58,7 @@ impl Told {
                     Some(Number::Amplitude { origin, .. }) => sizes.push(differs(number, *origin)),
                     Some(Number::Shape { scale, .. }) => {
                         let error = half_width(number).map_or(*scale, |half| half / SURELY);
-                        told.price += (error / scale).min(1.0).ln();
+                        certainty.price += (error / scale).min(1.0).ln();
                         widths.extend(is_positive.then(|| differs(number, 0.0)));
                     }
                     Some(Number::Phase) => {}
@@ -67,9 +67,9 @@ impl Told {
             }
             let is_any_told = |numbers: &[bool]| numbers.is_empty() || numbers.contains(&true);
             if !(is_whole && is_any_told(&sizes) && is_any_told(&widths)) {
-                told.unneeded.push(entry.name);
+                certainty.unneeded.push(entry.name);
             }
         }
-        told
+        certainty
     }
 }
