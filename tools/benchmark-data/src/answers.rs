@@ -6,8 +6,13 @@ use std::collections::BTreeMap;
 /// Answers by case name, in order.
 pub type Answers = BTreeMap<String, Answer>;
 
+/// Numbers by their names.
+pub(crate) fn named<const N: usize>(numbers: [(&str, f64); N]) -> BTreeMap<String, f64> {
+    numbers.map(|(name, value)| (name.to_owned(), value)).into()
+}
+
 /// What was hidden in one case.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
     /// Name of the effect, or of two joined by `_and_`; `outside_…` is in no catalogue.
     pub kind: String,

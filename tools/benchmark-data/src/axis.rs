@@ -3,31 +3,32 @@
 //! Size, speed, gravity, dry friction of the FMU, parameters within their uncertainty and the size of what is hidden are drawn.
 //! J·w' = k·(voltage − k·w)/R − d·w − m·sin(phi) − friction·sign(w) − what is hidden, in steps far below those of the FMU.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use crate::answers::Answer;
+use crate::answers::{Answer, named};
 use crate::axis_fmu::FILE;
-use crate::case_files::{Case, MadeCase};
-use crate::error::MakerError;
-use crate::kinds::in_turn;
+use crate::case_files::MadeCase;
+use crate::kinds::{Set, SetCase};
 use crate::random::{Purpose, Stream};
 
-/// What can be hidden: names of effects on FMUs, `outside_…` where those have none.
-pub const KINDS: [&str; 11] = [
-    "none",
-    "coulomb_friction",
-    "stribeck",
-    "viscous_drag",
-    "quadratic_drag",
-    "unbalance",
-    "offset",
-    "elastic_force",
-    "sensor_delay",
-    "outside_ripple",
-    "outside_jump",
-];
+/// The axes; kinds are names of effects on FMUs.
+pub const AXES: Set = Set {
+    kinds: &[
+        "none",
+        "coulomb_friction",
+        "stribeck",
+        "viscous_drag",
+        "quadratic_drag",
+        "unbalance",
+        "offset",
+        "elastic_force",
+        "sensor_delay",
+        "outside_ripple",
+        "outside_jump",
+    ],
+    make,
+};
 
 /// Names, units and relative standard deviations of the FMU's parameters.
 const PARAMETERS: [(&str, &str, f64); 6] = [
@@ -40,30 +41,6 @@ const PARAMETERS: [(&str, &str, f64); 6] = [
 ];
 const SAMPLES: usize = 4001;
 const STEPS_PER_SAMPLE: usize = 200;
-
-/// One case.
-#[derive(Debug, Clone)]
-pub struct AxisCase {
-    /// Directory name.
-    pub name: String,
-    /// Seed of all that is drawn.
-    pub seed: u64,
-    /// One of [`KINDS`].
-    pub kind: &'static str,
-}
-
-impl AxisCase {
-    /// So many cases from `seed` on: one kind after the other, or one kind alone.
-    ///
-    /// # Errors
-    /// No kind has this name.
-    pub fn plan(seed: u64, cases: usize, kind: Option<&str>) -> Result<Vec<Self>, MakerError> {
-        let cases = in_turn(&KINDS, seed, cases, kind)?.into_iter();
-        Ok(cases
-            .map(|(name, seed, kind)| Self { name, seed, kind })
-            .collect())
-    }
-}
 
 /// An axis, in SI units.
 struct Axis {
@@ -271,50 +248,37 @@ standstill_speed = {:e}
     }
 }
 
-impl Case for AxisCase {
-    fn name(&self) -> &str {
-        &self.name
+fn make(case: &SetCase) -> MadeCase {
+    let mut stream = Stream::new(case.seed, Purpose::Recipe);
+    let axis = Axis::draw(case.kind, &mut stream);
+    let mut files = vec![("model.toml".to_owned(), axis.model())];
+    for (run, file) in (0..).zip(["run-a.csv", "run-b.csv", "held-out.csv"]) {
+        let mut stream = Stream::new(case.seed, Purpose::Sensors(run));
+        files.push((file.to_owned(), axis.record(case.kind, &mut stream)));
     }
-
-    fn make(&self) -> Result<MadeCase, MakerError> {
-        let mut stream = Stream::new(self.seed, Purpose::Recipe);
-        let axis = Axis::draw(self.kind, &mut stream);
-        let mut files = vec![("model.toml".to_owned(), axis.model())];
-        for (run, file) in ["run-a.csv", "run-b.csv", "held-out.csv"]
-            .into_iter()
-            .enumerate()
-        {
-            let mut stream = Stream::new(self.seed, Purpose::Sensors(run as u64));
-            files.push((file.to_owned(), axis.record(self.kind, &mut stream)));
-        }
-        let ratios = PARAMETERS.iter().zip(axis.real.iter().zip(axis.believed));
-        let ratios = ratios.filter(|(_, (_, believed))| *believed > 0.0);
-        Ok(MadeCase {
-            files,
-            true_sensors: None,
-            answer: Answer {
-                kind: self.kind.to_owned(),
-                rough: 0.0,
-                seed: self.seed,
-                scale: 1.0,
-                spread: 0.04,
-                base: "fmu".to_owned(),
-                truth: "fmu".to_owned(),
-                effects: BTreeMap::new(),
-                parameter_ratio: ratios
-                    .map(|((name, _, _), (real, believed))| {
-                        (format!("parameters.{name}"), real / believed)
-                    })
-                    .collect(),
-                place: None,
-                places: BTreeMap::new(),
-                sensors: None,
-                facts: BTreeMap::from([
-                    ("time".to_owned(), axis.time),
-                    ("torque".to_owned(), axis.torque),
-                    ("hidden_torque_share".to_owned(), axis.share),
-                ]),
-            },
-        })
+    let ratios = PARAMETERS.iter().zip(axis.real.iter().zip(axis.believed));
+    let ratios = ratios.filter(|(_, (_, believed))| *believed > 0.0);
+    MadeCase {
+        files,
+        true_sensors: None,
+        answer: Answer {
+            kind: case.kind.to_owned(),
+            seed: case.seed,
+            scale: 1.0,
+            spread: 0.04,
+            base: "fmu".to_owned(),
+            truth: "fmu".to_owned(),
+            parameter_ratio: ratios
+                .map(|((name, ..), (real, believed))| {
+                    (format!("parameters.{name}"), real / believed)
+                })
+                .collect(),
+            facts: named([
+                ("time", axis.time),
+                ("torque", axis.torque),
+                ("hidden_torque_share", axis.share),
+            ]),
+            ..Answer::default()
+        },
     }
 }

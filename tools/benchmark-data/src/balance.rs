@@ -2,63 +2,40 @@
 //!
 //! Frequency, inertia, amplitude, gravity, sampling and the size of what is hidden are drawn; motions are sums of three sines.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use crate::answers::Answer;
-use crate::case_files::{Case, MadeCase};
-use crate::error::MakerError;
-use crate::kinds::in_turn;
+use crate::answers::{Answer, named};
+use crate::case_files::MadeCase;
+use crate::kinds::{Set, SetCase};
 use crate::random::{Purpose, Stream};
 
-/// What can be hidden: names of effects on small plants, `outside_…` where those have none.
-pub const KINDS: [&str; 20] = [
-    "none",
-    "coulomb_friction",
-    "viscous_drag",
-    "stribeck",
-    "quadratic_drag",
-    "transmitted_friction",
-    "unbalance",
-    "offset",
-    "elastic_force",
-    "acceleration_torque",
-    "coulomb_friction_and_friction_wear",
-    "sensor_delay",
-    "position_friction",
-    "friction_asymmetry",
-    "outside_ripple",
-    "outside_jump",
-    "external_load_friction",
-    "external_load_friction_square",
-    "external_load_wobble",
-    "external_load_share",
-];
-
-/// One case.
-#[derive(Debug, Clone)]
-pub struct BalanceCase {
-    /// Directory name.
-    pub name: String,
-    /// Seed of all that is drawn.
-    pub seed: u64,
-    /// One of [`KINDS`].
-    pub kind: &'static str,
-}
-
-impl BalanceCase {
-    /// So many cases from `seed` on: one kind after the other, or one kind alone.
-    ///
-    /// # Errors
-    /// No kind has this name.
-    pub fn plan(seed: u64, cases: usize, kind: Option<&str>) -> Result<Vec<Self>, MakerError> {
-        let cases = in_turn(&KINDS, seed, cases, kind)?.into_iter();
-        Ok(cases
-            .map(|(name, seed, kind)| Self { name, seed, kind })
-            .collect())
-    }
-}
+/// The joints; kinds are names of effects on small plants.
+pub const JOINTS: Set = Set {
+    kinds: &[
+        "none",
+        "coulomb_friction",
+        "viscous_drag",
+        "stribeck",
+        "quadratic_drag",
+        "transmitted_friction",
+        "unbalance",
+        "offset",
+        "elastic_force",
+        "acceleration_torque",
+        "coulomb_friction_and_friction_wear",
+        "sensor_delay",
+        "position_friction",
+        "friction_asymmetry",
+        "outside_ripple",
+        "outside_jump",
+        "external_load_friction",
+        "external_load_friction_square",
+        "external_load_wobble",
+        "external_load_share",
+    ],
+    make,
+};
 
 /// A joint and its motion, in SI units.
 struct Joint {
@@ -284,52 +261,35 @@ scale = {{ value = 1.0, unit = "1", relative_uncertainty = 0.05 }}
     }
 }
 
-impl Case for BalanceCase {
-    fn name(&self) -> &str {
-        &self.name
+fn make(case: &SetCase) -> MadeCase {
+    let mut stream = Stream::new(case.seed, Purpose::Recipe);
+    let joint = Joint::draw(case.kind, case.seed, &mut stream);
+    let mut files = vec![("model.toml".to_owned(), joint.model())];
+    let runs = [("run-a.csv", 20.0, 35.0), ("held-out.csv", 10.0, 20.0)];
+    for (run, (file, low, high)) in (0..).zip(runs) {
+        let mut stream = Stream::new(case.seed, Purpose::Sensors(run));
+        let mut inputs = Stream::new(case.seed, Purpose::Inputs(run));
+        let periods = stream.uniform(low, high);
+        let record = joint.record(case.kind, periods, &mut stream, &mut inputs);
+        files.push((file.to_owned(), record));
     }
-
-    fn make(&self) -> Result<MadeCase, MakerError> {
-        let mut stream = Stream::new(self.seed, Purpose::Recipe);
-        let joint = Joint::draw(self.kind, self.seed, &mut stream);
-        let mut files = vec![("model.toml".to_owned(), joint.model())];
-        for (run, (file, low, high)) in [("run-a.csv", 20.0, 35.0), ("held-out.csv", 10.0, 20.0)]
-            .into_iter()
-            .enumerate()
-        {
-            let mut stream = Stream::new(self.seed, Purpose::Sensors(run as u64));
-            let mut inputs = Stream::new(self.seed, Purpose::Inputs(run as u64));
-            let periods = stream.uniform(low, high);
-            files.push((
-                file.to_owned(),
-                joint.record(self.kind, periods, &mut stream, &mut inputs),
-            ));
-        }
-        Ok(MadeCase {
-            files,
-            true_sensors: None,
-            answer: Answer {
-                kind: self.kind.to_owned(),
-                rough: 0.0,
-                seed: self.seed,
-                scale: 1.0,
-                spread: 0.02,
-                base: "balance".to_owned(),
-                truth: "balance".to_owned(),
-                effects: BTreeMap::new(),
-                parameter_ratio: BTreeMap::from([("balance.scale".to_owned(), joint.scale)]),
-                place: None,
-                places: BTreeMap::new(),
-                sensors: None,
-                facts: BTreeMap::from([
-                    ("frequency".to_owned(), joint.frequency),
-                    ("inertia".to_owned(), joint.inertia),
-                    (
-                        "hidden_torque_share".to_owned(),
-                        joint.hidden / joint.torque,
-                    ),
-                ]),
-            },
-        })
+    MadeCase {
+        files,
+        true_sensors: None,
+        answer: Answer {
+            kind: case.kind.to_owned(),
+            seed: case.seed,
+            scale: 1.0,
+            spread: 0.02,
+            base: "balance".to_owned(),
+            truth: "balance".to_owned(),
+            parameter_ratio: named([("balance.scale", joint.scale)]),
+            facts: named([
+                ("frequency", joint.frequency),
+                ("inertia", joint.inertia),
+                ("hidden_torque_share", joint.hidden / joint.torque),
+            ]),
+            ..Answer::default()
+        },
     }
 }

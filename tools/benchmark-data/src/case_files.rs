@@ -3,13 +3,14 @@
 use crate::answers::{Answer, Answers};
 use crate::error::{MakerError, at};
 use crate::excitation::SAMPLE_INTERVAL;
-use crate::instruments::{Instruments, Noise, record_csv};
+use crate::instruments::{Instruments, record_csv};
 use crate::law::ContactLaw;
 use crate::plan::{Measured, PlannedCase};
 use crate::random::{Purpose, Stream};
 use crate::records::Recording;
 use crate::rig::NOMINAL;
 use crate::simulator::{Simulator, State};
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::sync::Mutex;
@@ -135,13 +136,8 @@ impl Case for PlannedCase {
                 .map_err(|error| error.in_case(&self.name))?;
             let mut noise = stream(Purpose::Sensors);
             let text = if self.measured == Measured::default() {
-                record_csv(
-                    &run.excitation,
-                    &samples,
-                    &case.rig.effects,
-                    Noise::scaled(self.recipe.noise),
-                    &mut noise,
-                )
+                let effects = &case.rig.effects;
+                record_csv(&run.excitation, &samples, effects, &known, &mut noise)
             } else {
                 Recording {
                     excitation: &run.excitation,
@@ -171,28 +167,11 @@ impl Case for PlannedCase {
 /// What the analyst believes: nominal parameters and `law`.
 pub fn model_toml(law: &ContactLaw) -> String {
     let rig = &NOMINAL;
-    let contact = match law {
-        ContactLaw::Coulomb { mu_c } => format!("mu_c = {mu_c}\n"),
-        ContactLaw::CoulombStiction { mu_c, mu_s } => format!("mu_c = {mu_c}\nmu_s = {mu_s}\n"),
-        ContactLaw::Stribeck {
-            mu_c,
-            mu_s,
-            omega_s,
-        } => format!("mu_c = {mu_c}\nmu_s = {mu_s}\nomega_s = {omega_s}\n"),
-        ContactLaw::TwoGaussian(law) => format!(
-            "a1 = {}\nb1 = {}\nc1 = {}\na2 = {}\nb2 = {}\nc2 = {}\nomega_centre = {}\n\
-             acceleration_semi_axis = {}\n",
-            law.height[0],
-            law.centre[0],
-            law.width[0],
-            law.height[1],
-            law.centre[1],
-            law.width[1],
-            law.omega_centre,
-            law.acceleration_semi_axis
-        ),
-        ContactLaw::Blend { base, .. } => return model_toml(base),
-    };
+    let mut contact = String::new();
+    for (key, value) in law.numbers() {
+        // Writing into a String cannot fail.
+        let _ = writeln!(contact, "{key} = {value}");
+    }
     format!(
         "# What the analyst believes before looking at the records. \
          SI units, shaft side of the gearbox unless named motor.\n\

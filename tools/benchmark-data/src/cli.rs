@@ -1,9 +1,9 @@
 //! The command line.
 
-use anyhow::{Context, ensure};
-use benchmark_data::axis::AxisCase;
+use anyhow::{Context, bail, ensure};
+use benchmark_data::axis::AXES;
 use benchmark_data::axis_fmu;
-use benchmark_data::balance::BalanceCase;
+use benchmark_data::balance::JOINTS;
 use benchmark_data::case_files::{Case, make_cases};
 use benchmark_data::excitation::Brake;
 use benchmark_data::other_rigs::case::{OtherCase, RigChoice};
@@ -12,7 +12,7 @@ use benchmark_data::plan::{FULL_SIZE, Group, Measured, PlannedCase, SMALL_SIZE, 
 use benchmark_data::practice::{read_answers, read_record, replay, true_rig};
 use benchmark_data::recipe::Kind;
 use benchmark_data::records::Sensors;
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand, ValueEnum as _};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 
@@ -48,10 +48,9 @@ struct MakeArguments {
     out: PathBuf,
     /// A whole suite with its own seeds.
     #[arg(long, value_enum, conflicts_with = "seed")]
-    suite: Option<SuiteName>,
-    /// Only these groups of the suite (repeatable): full, rough, small, clean, pairs, outside,
-    /// sizes, noise, further.
-    #[arg(long, requires = "suite", value_parser = parse_group)]
+    suite: Option<Suite>,
+    /// Only these groups of the suite (repeatable).
+    #[arg(long, requires = "suite", value_enum)]
     group: Vec<Group>,
     /// First seed, one per case (not 10000 to 29999).
     #[arg(long, required_unless_present = "suite")]
@@ -98,7 +97,7 @@ struct MakeArguments {
     /// What is measured; `no-disc` has the gearbox output's angle and the current, `current` all and
     /// the current.
     #[arg(long, value_enum, default_value = "all")]
-    sensors: SensorsName,
+    sensors: Sensors,
     /// No sensors.toml; instruments 0.2 to 5 times as noisy, encoders that round or not.
     #[arg(long)]
     instruments_unknown: bool,
@@ -119,29 +118,19 @@ struct MakeArguments {
     threads: usize,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum SuiteName {
-    Calibration,
-    Final,
-}
+impl MakeArguments {
+    /// First seed and number of cases on demand.
+    fn seed_and_cases(&self) -> anyhow::Result<(u64, usize)> {
+        match (self.seed, self.cases) {
+            (Some(seed), Some(cases)) => Ok((seed, cases)),
+            _ => bail!("--seed or --cases is missing"),
+        }
+    }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum SensorsName {
-    All,
-    Encoders,
-    Tachometers,
-    NoDisc,
-    Current,
-}
-
-impl SensorsName {
-    fn sensors(self) -> Sensors {
-        match self {
-            Self::All => Sensors::All,
-            Self::Encoders => Sensors::Encoders,
-            Self::Tachometers => Sensors::Tachometers,
-            Self::NoDisc => Sensors::NoDisc,
-            Self::Current => Sensors::Current,
+    fn measured(&self) -> Measured {
+        Measured {
+            sensors: self.sensors,
+            unknown: self.instruments_unknown,
         }
     }
 }
@@ -159,21 +148,15 @@ pub fn run() -> anyhow::Result<bool> {
 }
 
 fn make(arguments: &MakeArguments) -> anyhow::Result<()> {
-    if arguments.balance {
-        let seed = arguments.seed.context("--seed is missing")?;
-        let cases = arguments.cases.context("--cases is missing")?;
-        make_all(
-            arguments,
-            &BalanceCase::plan(seed, cases, arguments.kind.as_deref())?,
-        )
-    } else if arguments.fmu {
-        let seed = arguments.seed.context("--seed is missing")?;
-        let cases = arguments.cases.context("--cases is missing")?;
-        make_all(
-            arguments,
-            &AxisCase::plan(seed, cases, arguments.kind.as_deref())?,
-        )?;
-        Ok(axis_fmu::write(&arguments.out)?)
+    if arguments.balance || arguments.fmu {
+        let (seed, cases) = arguments.seed_and_cases()?;
+        let set = if arguments.fmu { &AXES } else { &JOINTS };
+        let plan = set.plan(seed, cases, arguments.kind.as_deref())?;
+        make_all(arguments, &plan)?;
+        if arguments.fmu {
+            axis_fmu::write(&arguments.out)?;
+        }
+        Ok(())
     } else if arguments.other_rigs || arguments.full_rig || arguments.own_sizes {
         make_all(arguments, &plan_other_rigs(arguments)?)
     } else {
@@ -207,9 +190,10 @@ fn plan_other_rigs(arguments: &MakeArguments) -> anyhow::Result<Vec<OtherCase>> 
     } else {
         Sort::Single
     };
+    let (seed, cases) = arguments.seed_and_cases()?;
     let wish = OtherWish {
-        seed: arguments.seed.context("--seed is missing")?,
-        cases: arguments.cases.context("--cases is missing")?,
+        seed,
+        cases,
         sort,
         kind: arguments.kind.clone(),
         common: OtherCase {
@@ -227,8 +211,7 @@ fn plan_other_rigs(arguments: &MakeArguments) -> anyhow::Result<Vec<OtherCase>> 
             share_laws: arguments.share_laws,
             rough: arguments.rough,
             noise: arguments.noise,
-            sensors: arguments.sensors.sensors(),
-            unknown: arguments.instruments_unknown,
+            measured: arguments.measured(),
             load_reference: arguments.load_reference.0,
             ..OtherCase::default()
         },
@@ -237,17 +220,10 @@ fn plan_other_rigs(arguments: &MakeArguments) -> anyhow::Result<Vec<OtherCase>> 
 }
 
 fn plan(arguments: &MakeArguments) -> anyhow::Result<Vec<PlannedCase>> {
-    let measured = Measured {
-        sensors: arguments.sensors.sensors(),
-        unknown: arguments.instruments_unknown,
-    };
+    let measured = arguments.measured();
     if let Some(suite) = arguments.suite {
-        let suite = match suite {
-            SuiteName::Calibration => Suite::Calibration,
-            SuiteName::Final => Suite::Final,
-        };
         let groups = match arguments.group.as_slice() {
-            [] => Group::ALL.as_slice(),
+            [] => Group::value_variants(),
             chosen => chosen,
         };
         let mut cases = suite.plan(groups, arguments.cases);
@@ -256,38 +232,29 @@ fn plan(arguments: &MakeArguments) -> anyhow::Result<Vec<PlannedCase>> {
         }
         return Ok(cases);
     }
-    let kinds = match (arguments.pairs, arguments.outside, arguments.clean) {
+    let (seed, cases) = arguments.seed_and_cases()?;
+    let mut kinds = match (arguments.pairs, arguments.outside, arguments.clean) {
         (true, _, _) => Kind::pairs(),
         (_, true, _) => Kind::outsiders(),
         (_, _, true) => vec![Kind::clean(Brake::On), Kind::clean(Brake::Off)],
-        _ if arguments.kind.is_none() => Kind::singles(),
-        // What goes round by itself is of the practice records; laws in part are what --share-laws makes of those.
-        _ => Kind::singles()
-            .into_iter()
-            .chain(
-                Kind::further()
-                    .into_iter()
-                    .filter(|kind| !kind.replaces_law()),
-            )
-            .collect(),
+        _ => Kind::singles(),
     };
-    let kinds: Vec<Kind> = kinds
-        .into_iter()
-        .filter(|kind| {
-            arguments
-                .kind
-                .as_ref()
-                .is_none_or(|name| *name == kind.name)
-        })
-        .filter(|kind| !arguments.rough || kind.brake == Brake::On)
-        .collect();
+    if let Some(name) = &arguments.kind {
+        if !(arguments.pairs || arguments.outside || arguments.clean) {
+            // What goes round by itself is of the practice records; laws in part are what --share-laws makes of those.
+            let further = Kind::further().into_iter();
+            kinds.extend(further.filter(|kind| !kind.replaces_law()));
+        }
+        kinds.retain(|kind| *name == kind.name);
+    }
+    kinds.retain(|kind| !arguments.rough || kind.brake == Brake::On);
     ensure!(
         !kinds.is_empty(),
         "no kind fits; names are those of `kind` in ANSWERS.json, and rough cases need the brake"
     );
     let wish = Wish {
-        seed: arguments.seed.context("--seed is missing")?,
-        cases: arguments.cases.context("--cases is missing")?,
+        seed,
+        cases,
         kinds,
         scale: arguments.size,
         share_laws: arguments.share_laws,
@@ -327,16 +294,6 @@ fn verify(practice: &Path, chosen: &[String]) -> anyhow::Result<bool> {
         }
     }
     Ok(finite)
-}
-
-fn parse_group(text: &str) -> Result<Group, String> {
-    Group::ALL
-        .into_iter()
-        .find(|group| group.name() == text)
-        .ok_or_else(|| {
-            let names: Vec<_> = Group::ALL.iter().map(|group| group.name()).collect();
-            format!("expected one of {}", names.join(", "))
-        })
 }
 
 fn parse_size(text: &str) -> Result<(f64, f64), String> {

@@ -1,209 +1,163 @@
 //! What can be hidden in a rig, with the names and units that `ANSWERS.json` uses.
 
+use libm::sin;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Values of the hidden effects; neutral by default. Field names are the keys of `effects` in
-/// `ANSWERS.json`; the records' README gives the equations of the first block.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-#[expect(non_snake_case, reason = "the keys of the answers file are these")]
-pub struct Effects {
+/// Declares [`Effects`]: names and neutral values.
+macro_rules! effects {
+    ($($(#[$doc:meta])* $name:ident = $neutral:expr;)*) => {
+        /// Values of the hidden effects; neutral by default. Field names are the keys of `effects` in
+        /// `ANSWERS.json`; the records' README gives the equations of the first block.
+        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        #[expect(non_snake_case, reason = "the keys of the answers file are these")]
+        pub struct Effects {
+            $($(#[$doc])* pub $name: f64,)*
+        }
+
+        impl Default for Effects {
+            fn default() -> Self {
+                Self { $($name: $neutral,)* }
+            }
+        }
+    };
+}
+
+effects! {
     /// Coulomb torque of the disc's bearing [N m].
-    pub bearing_T: f64,
+    bearing_T = 0.0;
     /// Relative amplitude of the normal force over one turn [-].
-    pub wobble_a: f64,
+    wobble_a = 0.0;
     /// Phase of the wobble [rad].
-    pub wobble_ph: f64,
+    wobble_ph = 0.0;
     /// Unbalance torque [N m].
-    pub unbal_T: f64,
+    unbal_T = 0.0;
     /// Phase of the unbalance [rad].
-    pub unbal_ph: f64,
+    unbal_ph = 0.0;
     /// Cubic stiffness of the shaft [N m/rad³].
-    pub k3: f64,
+    k3 = 0.0;
     /// Motor torque ripple, motor side [N m].
-    pub cog_T: f64,
+    cog_T = 0.0;
     /// Viscous drag on the disc [N m s/rad].
-    pub visc: f64,
+    visc = 0.0;
     /// Quadratic drag on the disc [N m s²/rad²].
-    pub quad: f64,
+    quad = 0.0;
     /// Width of the dead band in the coupling [rad].
-    pub backlash: f64,
+    backlash = 0.0;
     /// Reading of the load cell minus true force [N].
-    pub cell_bias: f64,
+    cell_bias = 0.0;
     /// Relative growth of friction per minute [1/min].
-    pub dmudt: f64,
+    dmudt = 0.0;
     /// Relative growth of the resistance per minute [1/min].
-    pub dRdt: f64,
+    dRdt = 0.0;
     /// Voltage at the motor over voltage commanded [-].
-    pub uscale: f64,
+    uscale = 1.0;
     /// Exponent of the normal force [-].
-    pub load_exp: f64,
+    load_exp = 1.0;
     /// Normal force at which the exponent changes nothing [N].
-    pub load_ref: f64,
+    load_ref = 50.0;
     /// Extra viscous damping, motor side [N m s/rad].
-    pub motor_visc: f64,
+    motor_visc = 0.0;
     /// Lag of the disc's channels [s].
-    pub delay: f64,
+    delay = 0.0;
     /// Stiffness of the pin's bristles [N m/rad]; infinite = too stiff to be seen.
-    pub bristle_k: f64,
+    bristle_k = f64::INFINITY;
     /// Standard deviation of the random friction factor [-].
-    pub stoch_std: f64,
+    stoch_std = 0.0;
     /// Correlation time of the random friction factor [s].
-    pub stoch_tau: f64,
+    stoch_tau = 0.1;
 
     /// Amplitude of a torque on the disc that is periodic in time [N m] (outside any catalogue,
     /// like all that follow).
-    pub periodic_T: f64,
+    periodic_T = 0.0;
     /// Its frequency [Hz].
-    pub periodic_f: f64,
+    periodic_f = 1.0;
     /// Its phase [rad].
-    pub periodic_ph: f64,
+    periodic_ph = 0.0;
     /// Inertia that hangs on the disc by a spring of its own [kg m²].
-    pub absorber_J: f64,
+    absorber_J = 0.0;
     /// Its natural frequency [Hz].
-    pub absorber_f: f64,
+    absorber_f = 1.0;
     /// Its damping ratio [-].
-    pub absorber_zeta: f64,
+    absorber_zeta = 0.0;
     /// Current above which the motor gives no more torque [A]; infinite = never.
-    pub saturation_i: f64,
+    saturation_i = f64::INFINITY;
     /// Share of the shaft stiffness lost when warm [-].
-    pub softening: f64,
+    softening = 0.0;
     /// Time constant of warming [s].
-    pub softening_tau: f64,
+    softening_tau = 1.0;
     /// Relative amplitude of an inertia that changes with time [-].
-    pub breathing_J: f64,
+    breathing_J = 0.0;
     /// Its period [s].
-    pub breathing_period: f64,
+    breathing_period = 1.0;
     /// Its phase [rad].
-    pub breathing_ph: f64,
+    breathing_ph = 0.0;
     /// Height of a bump of the friction torque around one speed, relative [-].
-    pub bump_height: f64,
+    bump_height = 0.0;
     /// Speed of the bump [rad/s].
-    pub bump_centre: f64,
+    bump_centre = 1.0;
     /// Width of the bump [rad/s].
-    pub bump_width: f64,
+    bump_width = 1.0;
     /// Relative growth of the breakaway torque over a dwell of e times `dwell_tau` at rest [-].
-    pub dwell_gain: f64,
+    dwell_gain = 0.0;
     /// Dwell from which it grows [s].
-    pub dwell_tau: f64,
+    dwell_tau = 1.0;
     /// Time by which the friction torque lags behind its law [s].
-    pub memory_tau: f64,
+    memory_tau = 0.0;
     /// Time by which the drive's voltage lags behind the command [s].
-    pub drive_tau: f64,
+    drive_tau = 0.0;
     /// Amplitude by which the disc's encoder errs over one turn [rad].
-    pub eccentricity: f64,
+    eccentricity = 0.0;
     /// Its phase [rad].
-    pub eccentricity_ph: f64,
+    eccentricity_ph = 0.0;
     /// Reading of the disc's tachometer over its speed [-].
-    pub tacho_gain: f64,
+    tacho_gain = 1.0;
     /// Relative amplitude of a normal force that varies three times per turn [-].
-    pub lobes_a: f64,
+    lobes_a = 0.0;
     /// Its phase [rad].
-    pub lobes_ph: f64,
+    lobes_ph = 0.0;
     /// Share of the normal force that a speed of 1 rad/s lifts off, growing with its square [s²/rad²].
-    pub lifting: f64,
+    lifting = 0.0;
     /// Share of the torque constant lost when warm [-].
-    pub fading: f64,
+    fading = 0.0;
     /// Time constant of warming [s].
-    pub fading_tau: f64,
+    fading_tau = 1.0;
     /// Amplitude of a torque with several cycles per turn of the disc [N m].
-    pub harmonic_T: f64,
+    harmonic_T = 0.0;
     /// Its cycles per turn [-].
-    pub harmonic_n: f64,
+    harmonic_n = 1.0;
     /// Its phase [rad].
-    pub harmonic_ph: f64,
+    harmonic_ph = 0.0;
     /// Relative height of the friction on a patch of the disc [-].
-    pub patch_height: f64,
+    patch_height = 0.0;
     /// Angle of the patch [rad].
-    pub patch_centre: f64,
+    patch_centre = 0.0;
     /// Width of the patch [rad].
-    pub patch_width: f64,
+    patch_width = 1.0;
     /// Relative jump of the friction at one time [-].
-    pub jump: f64,
+    jump = 0.0;
     /// Time of the jump [s].
-    pub jump_time: f64,
+    jump_time = 0.0;
     /// Relative amplitude by which friction sways with time [-].
-    pub sway: f64,
+    sway = 0.0;
     /// Its period [s].
-    pub sway_period: f64,
+    sway_period = 1.0;
     /// Its phase [rad].
-    pub sway_ph: f64,
+    sway_ph = 0.0;
     /// Friction backward over friction forward, less one [-].
-    pub asymmetry: f64,
+    asymmetry = 0.0;
     /// Normal force that the contact never exceeds [N]; infinite = none.
-    pub load_limit: f64,
-}
-
-impl Default for Effects {
-    fn default() -> Self {
-        Self {
-            bearing_T: 0.0,
-            wobble_a: 0.0,
-            wobble_ph: 0.0,
-            unbal_T: 0.0,
-            unbal_ph: 0.0,
-            k3: 0.0,
-            cog_T: 0.0,
-            visc: 0.0,
-            quad: 0.0,
-            backlash: 0.0,
-            cell_bias: 0.0,
-            dmudt: 0.0,
-            dRdt: 0.0,
-            uscale: 1.0,
-            load_exp: 1.0,
-            load_ref: 50.0,
-            motor_visc: 0.0,
-            delay: 0.0,
-            bristle_k: f64::INFINITY,
-            stoch_std: 0.0,
-            stoch_tau: 0.1,
-            periodic_T: 0.0,
-            periodic_f: 1.0,
-            periodic_ph: 0.0,
-            absorber_J: 0.0,
-            absorber_f: 1.0,
-            absorber_zeta: 0.0,
-            saturation_i: f64::INFINITY,
-            softening: 0.0,
-            softening_tau: 1.0,
-            breathing_J: 0.0,
-            breathing_period: 1.0,
-            breathing_ph: 0.0,
-            bump_height: 0.0,
-            bump_centre: 1.0,
-            bump_width: 1.0,
-            dwell_gain: 0.0,
-            dwell_tau: 1.0,
-            memory_tau: 0.0,
-            drive_tau: 0.0,
-            eccentricity: 0.0,
-            eccentricity_ph: 0.0,
-            tacho_gain: 1.0,
-            lobes_a: 0.0,
-            lobes_ph: 0.0,
-            lifting: 0.0,
-            fading: 0.0,
-            fading_tau: 1.0,
-            harmonic_T: 0.0,
-            harmonic_n: 1.0,
-            harmonic_ph: 0.0,
-            patch_height: 0.0,
-            patch_centre: 0.0,
-            patch_width: 1.0,
-            jump: 0.0,
-            jump_time: 0.0,
-            sway: 0.0,
-            sway_period: 1.0,
-            sway_ph: 0.0,
-            asymmetry: 0.0,
-            load_limit: f64::INFINITY,
-        }
-    }
+    load_limit = f64::INFINITY;
 }
 
 impl Effects {
+    /// The angle of the disc's encoder where the disc's is `angle`, both [rad].
+    pub(crate) fn encoder_angle(&self, angle: f64) -> f64 {
+        let off = sin(angle - self.eccentricity_ph);
+        angle + self.eccentricity * (off + sin(self.eccentricity_ph))
+    }
+
     /// The values that differ from neutral, as `ANSWERS.json` lists them.
     pub fn answers(&self) -> BTreeMap<String, f64> {
         let listed = |effects: &Self| match serde_json::to_value(effects) {

@@ -55,9 +55,14 @@ impl Excitation {
     }
 
     /// The last sample of a file repeats the inputs that held before it.
-    fn close(mut self) -> Self {
-        self.voltage.extend(self.voltage.last().copied());
-        self.normal_force.extend(self.normal_force.last().copied());
+    pub(crate) fn close(mut self) -> Self {
+        for inputs in [
+            &mut self.voltage,
+            &mut self.normal_force,
+            &mut self.disc1_force,
+        ] {
+            inputs.extend(inputs.last().copied());
+        }
         self
     }
 }

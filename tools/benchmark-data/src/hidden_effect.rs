@@ -6,13 +6,13 @@ use crate::law::{ContactLaw, TwoGaussian};
 use crate::random::Stream;
 use crate::rig::NOMINAL;
 use core::f64::consts::TAU;
+use strum::{EnumIter, IntoEnumIterator, IntoStaticStr};
 
-/// One hidden effect. The first block is in the catalogue, the others in none, the last on other rigs only.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[expect(
-    missing_docs,
-    reason = "Effect::name and the records' README say what each is"
-)]
+/// One hidden effect, named as in the answers but for the `outside_` of effects in no catalogue. The first block is in the
+/// catalogue, the others in none, the last on other rigs only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, EnumIter, IntoStaticStr)]
+#[strum(serialize_all = "snake_case")]
+#[expect(missing_docs, reason = "the records' README says what each is")]
 pub enum Effect {
     AccelerationHysteresis,
     Backlash,
@@ -57,28 +57,6 @@ pub enum Effect {
     LoadSaturation,
 }
 
-/// Effects of the practice records; any two can stand in a pair.
-pub const CATALOGUE: [Effect; 18] = [
-    Effect::AccelerationHysteresis,
-    Effect::Backlash,
-    Effect::BearingFriction,
-    Effect::FrictionWear,
-    Effect::GearRipple,
-    Effect::LoadCellBias,
-    Effect::LoadExponent,
-    Effect::MotorViscous,
-    Effect::NormalForceWobble,
-    Effect::QuadraticDrag,
-    Effect::ResistanceDrift,
-    Effect::SensorDelay,
-    Effect::ShaftHardening,
-    Effect::Stiction,
-    Effect::Stribeck,
-    Effect::SupplySag,
-    Effect::Unbalance,
-    Effect::ViscousDrag,
-];
-
 /// The friction laws of the practice records by name; `None` for an unknown name.
 pub fn practice_law(name: &str) -> Option<ContactLaw> {
     Some(match name {
@@ -111,47 +89,17 @@ const TWO_GAUSSIAN: TwoGaussian = TwoGaussian {
 impl Effect {
     /// Name in the answers, without the `outside_` of effects in no catalogue.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::AccelerationHysteresis => "acceleration_hysteresis",
-            Self::Backlash => "backlash",
-            Self::BearingFriction => "bearing_friction",
-            Self::FrictionWear => "friction_wear",
-            Self::GearRipple => "gear_ripple",
-            Self::LoadCellBias => "load_cell_bias",
-            Self::LoadExponent => "load_exponent",
-            Self::MotorViscous => "motor_viscous",
-            Self::NormalForceWobble => "normal_force_wobble",
-            Self::Presliding => "presliding",
-            Self::QuadraticDrag => "quadratic_drag",
-            Self::ResistanceDrift => "resistance_drift",
-            Self::SensorDelay => "sensor_delay",
-            Self::ShaftHardening => "shaft_hardening",
-            Self::Stiction => "stiction",
-            Self::Stribeck => "stribeck",
-            Self::SupplySag => "supply_sag",
-            Self::Unbalance => "unbalance",
-            Self::ViscousDrag => "viscous_drag",
-            Self::BreathingInertia => "breathing_inertia",
-            Self::DynamicAbsorber => "dynamic_absorber",
-            Self::FrictionBump => "friction_bump",
-            Self::PeriodicTorque => "periodic_torque",
-            Self::ShaftSoftening => "shaft_softening",
-            Self::TorqueSaturation => "torque_saturation",
-            Self::BreakawayAfterDwell => "breakaway_after_dwell",
-            Self::FrictionMemory => "friction_memory",
-            Self::DriveLag => "drive_lag",
-            Self::EncoderEccentricity => "encoder_eccentricity",
-            Self::TachometerGain => "tachometer_gain",
-            Self::ThreeLobes => "three_lobes",
-            Self::LiftingPin => "lifting_pin",
-            Self::FadingMotor => "fading_motor",
-            Self::FrictionPatch => "friction_patch",
-            Self::HigherHarmonics => "higher_harmonics",
-            Self::FrictionJump => "friction_jump",
-            Self::SwayingFriction => "swaying_friction",
-            Self::AsymmetricFriction => "asymmetric_friction",
-            Self::LoadSaturation => "load_saturation",
-        }
+        self.into()
+    }
+
+    /// Effects of the practice records; any two can stand in a pair.
+    pub fn catalogue() -> impl Iterator<Item = Self> {
+        Self::iter().filter(|effect| *effect <= Self::ViscousDrag && *effect != Self::Presliding)
+    }
+
+    /// Effects in no catalogue.
+    pub fn outsiders() -> impl Iterator<Item = Self> {
+        Self::iter().filter(|effect| *effect > Self::ViscousDrag)
     }
 
     /// The analyst's law that this effect presumes, if it replaces the law.

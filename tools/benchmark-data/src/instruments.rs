@@ -1,11 +1,11 @@
 //! The instruments of the rig: encoders that round down, noisy tachometers and load cell.
 
+use crate::answers::named;
 use crate::effects::Effects;
 use crate::excitation::{Excitation, SAMPLE_INTERVAL};
 use crate::random::Stream;
 use crate::simulator::Sample;
 use core::f64::consts::TAU;
-use libm::sin;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -13,28 +13,6 @@ use std::fmt::Write;
 pub const DISC_ENCODER_STEP: f64 = TAU / 1000.0;
 /// Angle of one step of the motor encoder, seen at the gearbox output [rad].
 pub const MOTOR_ENCODER_STEP: f64 = TAU / 8000.0;
-
-/// Noise of the instruments (one standard deviation).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise {
-    /// Disc tachometer [rad/s].
-    pub disc_speed: f64,
-    /// Tachometer seen at the gearbox output [rad/s].
-    pub gearbox_speed: f64,
-    /// Load cell [N].
-    pub normal_force: f64,
-}
-
-impl Noise {
-    /// The rig's instruments with their noise times `factor`.
-    pub fn scaled(factor: f64) -> Self {
-        Self {
-            disc_speed: 0.05 * factor,
-            gearbox_speed: 0.05 / 8.0 * factor,
-            normal_force: 0.2 * factor,
-        }
-    }
-}
 
 /// Instruments of any rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,7 +66,7 @@ impl Instruments {
 
     /// As the answers state them; `encoders_round` is 1 or 0.
     pub fn answers(&self) -> BTreeMap<String, f64> {
-        [
+        named([
             ("disc_encoder_step", self.disc_encoder_step),
             ("gear_encoder_step", self.gear_encoder_step),
             ("disc_velocity_noise", self.disc_speed),
@@ -96,10 +74,7 @@ impl Instruments {
             ("load_cell_noise", self.normal_force),
             ("current_noise", self.current),
             ("encoders_round", f64::from(u8::from(self.quantised))),
-        ]
-        .into_iter()
-        .map(|(name, value)| (name.to_owned(), value))
-        .collect()
+        ])
     }
 
     /// The same with `factor` times the noise.
@@ -110,6 +85,27 @@ impl Instruments {
             normal_force: self.normal_force * factor,
             current: self.current * factor,
             ..self
+        }
+    }
+
+    /// What the load cell shows of `force` [N]; without the pin (zero force) it is switched off and reads zero.
+    pub(crate) fn force(&self, force: f64, bias: f64, stream: &mut Stream) -> f64 {
+        let noise = self.normal_force * stream.normal();
+        if force == 0.0 {
+            0.0
+        } else {
+            force + bias + noise
+        }
+    }
+
+    /// What an encoder of this step shows of `angle` [rad].
+    pub(crate) fn angle(&self, angle: f64, step: f64, stream: &mut Stream) -> f64 {
+        // An angle that is not quantised is noisy as much as a quantised one errs.
+        let noise = step / libm::sqrt(12.0) * stream.normal();
+        if self.quantised {
+            encoder(angle, step)
+        } else {
+            angle + noise
         }
     }
 
@@ -145,31 +141,22 @@ pub fn encoder(angle: f64, step: f64) -> f64 {
     (angle / step).floor() * step
 }
 
-/// The text of a record. The load cell gives the mean force plus its bias; without the pin
-/// (zero force) it is switched off and reads zero.
+/// The text of a record of the dissertation's rig, its noise drawn row by row.
 pub fn record_csv(
     excitation: &Excitation,
     samples: &[Sample],
     hidden: &Effects,
-    noise: Noise,
+    tools: &Instruments,
     stream: &mut Stream,
 ) -> String {
     let mut text = String::with_capacity(64 * samples.len());
     text.push_str("time,u,N2,theta,theta_dot,theta3,theta3_dot\n");
     for (index, sample) in samples.iter().enumerate() {
-        let force = excitation.normal_force[index];
-        let force_noise = noise.normal_force * stream.normal();
-        let reading = if force == 0.0 {
-            0.0
-        } else {
-            force + hidden.cell_bias + force_noise
-        };
+        let reading = tools.force(excitation.normal_force[index], hidden.cell_bias, stream);
         let disc_speed =
-            hidden.tacho_gain * sample.seen_disc_speed + noise.disc_speed * stream.normal();
-        let gearbox_speed = sample.state.gearbox_speed + noise.gearbox_speed * stream.normal();
-        let off = sample.seen_disc_angle - hidden.eccentricity_ph;
-        let disc_angle =
-            sample.seen_disc_angle + hidden.eccentricity * (sin(off) + sin(hidden.eccentricity_ph));
+            hidden.tacho_gain * sample.seen_disc_speed + tools.disc_speed * stream.normal();
+        let gearbox_speed = sample.state.gearbox_speed + tools.gearbox_speed * stream.normal();
+        let disc_angle = hidden.encoder_angle(sample.seen_disc_angle);
         // Writing into a String cannot fail.
         let _ = writeln!(
             text,

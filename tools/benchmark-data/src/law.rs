@@ -112,36 +112,43 @@ impl ContactLaw {
 
     /// The same law with all its levels times `factor`.
     pub fn with_level(&self, factor: f64) -> Self {
-        match self.clone() {
-            Self::Coulomb { mu_c } => Self::Coulomb {
-                mu_c: mu_c * factor,
-            },
-            Self::CoulombStiction { mu_c, mu_s } => Self::CoulombStiction {
-                mu_c: mu_c * factor,
-                mu_s: mu_s * factor,
-            },
+        let mut law = self.clone();
+        match &mut law {
+            Self::Coulomb { mu_c } => *mu_c *= factor,
+            Self::CoulombStiction { mu_c, mu_s } | Self::Stribeck { mu_c, mu_s, .. } => {
+                *mu_c *= factor;
+                *mu_s *= factor;
+            }
+            Self::TwoGaussian(law) => law.height = law.height.map(|height| height * factor),
+            Self::Blend { base, other, .. } => {
+                **base = base.with_level(factor);
+                **other = other.with_level(factor);
+            }
+        }
+        law
+    }
+
+    /// Numbers with the keys of `model.toml`; those of a blend are of what is hidden in it.
+    pub fn numbers(&self) -> Vec<(&'static str, f64)> {
+        match self {
+            Self::Coulomb { mu_c } => vec![("mu_c", *mu_c)],
+            Self::CoulombStiction { mu_c, mu_s } => vec![("mu_c", *mu_c), ("mu_s", *mu_s)],
             Self::Stribeck {
                 mu_c,
                 mu_s,
                 omega_s,
-            } => Self::Stribeck {
-                mu_c: mu_c * factor,
-                mu_s: mu_s * factor,
-                omega_s,
-            },
-            Self::TwoGaussian(law) => Self::TwoGaussian(TwoGaussian {
-                height: law.height.map(|height| height * factor),
-                ..law
-            }),
-            Self::Blend {
-                base,
-                other,
-                weight,
-            } => Self::Blend {
-                base: Box::new(base.with_level(factor)),
-                other: Box::new(other.with_level(factor)),
-                weight,
-            },
+            } => vec![("mu_c", *mu_c), ("mu_s", *mu_s), ("omega_s", *omega_s)],
+            Self::TwoGaussian(law) => vec![
+                ("a1", law.height[0]),
+                ("b1", law.centre[0]),
+                ("c1", law.width[0]),
+                ("a2", law.height[1]),
+                ("b2", law.centre[1]),
+                ("c2", law.width[1]),
+                ("omega_centre", law.omega_centre),
+                ("acceleration_semi_axis", law.acceleration_semi_axis),
+            ],
+            Self::Blend { other, .. } => other.numbers(),
         }
     }
 

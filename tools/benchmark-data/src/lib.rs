@@ -16,7 +16,7 @@ pub mod error;
 pub mod excitation;
 pub mod hidden_effect;
 pub mod instruments;
-mod kinds;
+pub mod kinds;
 pub mod law;
 pub mod numerics;
 pub mod other_rigs;

@@ -2,9 +2,12 @@
 
 use crate::error::MakerError;
 use crate::excitation::Brake;
+use crate::kinds::in_turn;
 use crate::random::{Purpose, Stream};
 use crate::recipe::{Kind, Recipe};
 use crate::records::Sensors;
+use clap::ValueEnum;
+use strum::IntoStaticStr;
 
 /// Seeds kept for the suites.
 const RESERVED_SEEDS: core::ops::Range<u64> = 10_000..30_000;
@@ -17,7 +20,7 @@ pub const FULL_SIZE: (f64, f64) = (0.6, 1.4);
 pub const SMALL_SIZE: (f64, f64) = (0.05, 0.2);
 
 /// A sealed set of cases.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Suite {
     /// For setting thresholds; seeds from 10000.
     Calibration,
@@ -25,8 +28,9 @@ pub enum Suite {
     Final,
 }
 
-/// A part of a suite; the group's name starts the names of its cases.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A part of a suite, in order of their seeds; the group's name starts the names of its cases.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, IntoStaticStr)]
+#[strum(serialize_all = "snake_case")]
 pub enum Group {
     /// One effect at 0.6 to 1.4 of the practice size.
     Full,
@@ -90,34 +94,6 @@ pub struct Wish {
 }
 
 impl Group {
-    /// All groups in order of their seeds.
-    pub const ALL: [Self; 9] = [
-        Self::Full,
-        Self::Rough,
-        Self::Small,
-        Self::Clean,
-        Self::Pairs,
-        Self::Outside,
-        Self::Sizes,
-        Self::Noise,
-        Self::Further,
-    ];
-
-    /// Name on the command line and in case names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Full => "full",
-            Self::Rough => "rough",
-            Self::Small => "small",
-            Self::Clean => "clean",
-            Self::Pairs => "pairs",
-            Self::Outside => "outside",
-            Self::Sizes => "sizes",
-            Self::Noise => "noise",
-            Self::Further => "further",
-        }
-    }
-
     /// Number of cases if not said otherwise.
     pub fn default_cases(self) -> usize {
         match self {
@@ -167,7 +143,6 @@ impl Group {
             scale: law_share(&kind, scale, share_laws),
             kind,
             seed,
-            spread: if rough { (0.02, 0.02) } else { (0.01, 0.02) },
             rough,
             noise: match self {
                 Self::Noise if index.is_multiple_of(2) => 0.5,
@@ -190,13 +165,13 @@ impl Suite {
     /// The cases of `groups`, `cases` of each (`None`: the group's own number, at most 1000).
     pub fn plan(self, groups: &[Group], cases: Option<usize>) -> Vec<PlannedCase> {
         let mut planned = Vec::new();
-        for (rank, group) in Group::ALL.into_iter().enumerate() {
-            if !groups.contains(&group) {
+        for (rank, group) in Group::value_variants().iter().enumerate() {
+            if !groups.contains(group) {
                 continue;
             }
             let first_seed = self.first_seed() + rank as u64 * SEEDS_PER_GROUP;
             let mut kinds = group.kinds();
-            if group == Group::Pairs {
+            if *group == Group::Pairs {
                 Stream::new(first_seed, Purpose::Recipe).shuffle(&mut kinds);
             }
             let count = cases
@@ -206,7 +181,7 @@ impl Suite {
                 let kind = kinds[index % kinds.len()].clone();
                 let seed = first_seed + index as u64;
                 planned.push(PlannedCase {
-                    name: format!("{}-{index:04}", group.name()),
+                    name: format!("{}-{index:04}", <&str>::from(group)),
                     recipe: group.recipe(kind, index / kinds.len(), index, seed),
                     measured: Measured::default(),
                 });
@@ -224,28 +199,19 @@ impl Wish {
     pub fn plan(&self) -> Result<Vec<PlannedCase>, MakerError> {
         check_seeds(self.seed, self.cases)?;
         check_sizes(self.scale, self.noise)?;
-        let recipe = |index: usize| {
-            let kind = self.kinds[index % self.kinds.len()].clone();
-            Recipe {
+        let case = |(name, seed, kind)| PlannedCase {
+            name,
+            recipe: Recipe {
                 scale: law_share(&kind, self.scale, self.share_laws),
                 kind,
-                seed: self.seed + index as u64,
-                spread: if self.rough {
-                    (0.02, 0.02)
-                } else {
-                    (0.01, 0.02)
-                },
+                seed,
                 rough: self.rough,
                 noise: self.noise,
-            }
+            },
+            measured: self.measured,
         };
-        Ok((0..self.cases)
-            .map(|index| PlannedCase {
-                name: format!("case-{index:04}"),
-                recipe: recipe(index),
-                measured: self.measured,
-            })
-            .collect())
+        let cases = in_turn(&self.kinds, self.seed, self.cases);
+        Ok(cases.map(case).collect())
     }
 }
 
@@ -299,7 +265,7 @@ mod tests {
     #[test]
     fn suites_share_no_seed_and_repeat_none() {
         let seeds = |suite: Suite| -> Vec<u64> {
-            let plan = suite.plan(&Group::ALL, None);
+            let plan = suite.plan(Group::value_variants(), None);
             plan.iter().map(|case| case.recipe.seed).collect()
         };
         let (calibration, last) = (seeds(Suite::Calibration), seeds(Suite::Final));

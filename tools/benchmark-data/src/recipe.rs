@@ -3,12 +3,12 @@
 use crate::answers::Answer;
 use crate::effects::Effects;
 use crate::excitation::{Brake, Run, draw_runs};
-use crate::hidden_effect::{CATALOGUE, Effect, STRIBECK, practice_law};
+use crate::hidden_effect::{Effect, STRIBECK, practice_law};
 use crate::law::ContactLaw;
+use crate::other_rigs::plan::{UNDER_OTHER_LAWS, combinations};
 use crate::random::{Purpose, Stream};
 use crate::rig::{FRICTION_LEVEL, NOMINAL, draw_ratios};
 use crate::simulator::TrueRig;
-use std::collections::BTreeMap;
 
 /// Random friction of a rough case: standard deviation [-].
 const ROUGH_STANDARD_DEVIATION: f64 = 0.04;
@@ -37,8 +37,6 @@ pub struct Recipe {
     pub seed: u64,
     /// Size over practice size, drawn from this range.
     pub scale: (f64, f64),
-    /// How far the analyst is off, drawn from this range.
-    pub spread: (f64, f64),
     /// Whether friction fluctuates at random.
     pub rough: bool,
     /// Factor on the noise of the instruments.
@@ -77,49 +75,32 @@ impl Kind {
         Self::new(name, &[], brake, "stribeck")
     }
 
+    fn single(effect: Effect, brake: Brake) -> Self {
+        let base = effect.replaced_law().unwrap_or("stribeck");
+        Self::new(effect.name(), &[effect], brake, base)
+    }
+
     /// Every kind of the practice records that hides one effect.
     pub fn singles() -> Vec<Self> {
-        let mut kinds: Vec<Self> = CATALOGUE
+        let braked = Effect::catalogue().map(|effect| match effect {
+            Effect::BearingFriction => Self {
+                name: "bearing_friction_braked".to_owned(),
+                ..Self::single(effect, Brake::On)
+            },
+            Effect::QuadraticDrag => Self::single(effect, Brake::Off),
+            _ => Self::single(effect, Brake::On),
+        });
+        let free = [
+            Self::single(Effect::BearingFriction, Brake::Off),
+            Self {
+                name: "unbalance_no_brake".to_owned(),
+                ..Self::single(Effect::Unbalance, Brake::Off)
+            },
+        ];
+        let under_other_laws = UNDER_OTHER_LAWS
             .iter()
-            .map(|&effect| {
-                let (name, brake) = match effect {
-                    Effect::BearingFriction => ("bearing_friction_braked", Brake::On),
-                    Effect::QuadraticDrag => (effect.name(), Brake::Off),
-                    _ => (effect.name(), Brake::On),
-                };
-                let base = effect.replaced_law().unwrap_or("stribeck");
-                Self::new(name, &[effect], brake, base)
-            })
-            .collect();
-        for (name, effect, brake, base) in [
-            (
-                "bearing_friction",
-                Effect::BearingFriction,
-                Brake::Off,
-                "stribeck",
-            ),
-            (
-                "unbalance_no_brake",
-                Effect::Unbalance,
-                Brake::Off,
-                "stribeck",
-            ),
-            (
-                "normal_force_wobble_gauss",
-                Effect::NormalForceWobble,
-                Brake::On,
-                "two_gaussian_mu",
-            ),
-            (
-                "acceleration_hysteresis_c",
-                Effect::AccelerationHysteresis,
-                Brake::On,
-                "coulomb_stiction",
-            ),
-        ] {
-            kinds.push(Self::new(name, &[effect], brake, base));
-        }
-        kinds
+            .map(|&(name, effect, base)| Self::new(name, &[effect], Brake::On, base));
+        braked.chain(free).chain(under_other_laws).collect()
     }
 
     /// Kinds of a catalogue that the practice records do not have: presliding, and contacts that follow another law in part.
@@ -128,12 +109,7 @@ impl Kind {
             .into_iter()
             .filter(Self::replaces_law)
             .collect();
-        kinds.push(Self::new(
-            "presliding",
-            &[Effect::Presliding],
-            Brake::On,
-            "stribeck",
-        ));
+        kinds.push(Self::single(Effect::Presliding, Brake::On));
         kinds
     }
 
@@ -146,48 +122,28 @@ impl Kind {
 
     /// Kinds in no catalogue, `outside_<name>`.
     pub fn outsiders() -> Vec<Self> {
-        [
-            Effect::BreathingInertia,
-            Effect::DynamicAbsorber,
-            Effect::FrictionBump,
-            Effect::PeriodicTorque,
-            Effect::ShaftSoftening,
-            Effect::TorqueSaturation,
-            Effect::BreakawayAfterDwell,
-            Effect::FrictionMemory,
-            Effect::DriveLag,
-            Effect::EncoderEccentricity,
-            Effect::TachometerGain,
-            Effect::ThreeLobes,
-            Effect::LiftingPin,
-            Effect::FadingMotor,
-        ]
-        .iter()
-        .map(|&effect| {
-            let name = format!("outside_{}", effect.name());
-            Self::new(&name, &[effect], Brake::On, "stribeck")
-        })
-        .collect()
+        Effect::outsiders()
+            .filter(|effect| *effect <= Effect::FadingMotor)
+            .map(|effect| {
+                let name = format!("outside_{}", effect.name());
+                Self::new(&name, &[effect], Brake::On, "stribeck")
+            })
+            .collect()
     }
 
     /// Every pair of catalogue effects, `a_and_b` in alphabetical order. Left out: two laws at
     /// once, and `motor_viscous` with `supply_sag`, which no record without current can part.
     pub fn pairs() -> Vec<Self> {
-        let mut kinds = Vec::new();
-        for (index, &first) in CATALOGUE.iter().enumerate() {
-            for &second in &CATALOGUE[index + 1..] {
-                let laws = first.replaced_law().xor(second.replaced_law());
-                let two_laws = first.replaced_law().is_some() && second.replaced_law().is_some();
-                let equivalent = (first, second) == (Effect::MotorViscous, Effect::SupplySag);
-                if two_laws || equivalent {
-                    continue;
-                }
-                let name = format!("{}_and_{}", first.name(), second.name());
-                let base = laws.unwrap_or("stribeck");
-                kinds.push(Self::new(&name, &[first, second], Brake::On, base));
-            }
-        }
-        kinds
+        let choices: Vec<_> = Effect::catalogue().map(|effect| (effect, false)).collect();
+        let mut pairs = combinations(&choices, 2);
+        pairs.sort();
+        let pair = |effects: Vec<(Effect, bool)>| {
+            let effects = [effects[0].0, effects[1].0];
+            let law = effects.iter().find_map(|effect| effect.replaced_law());
+            let name = effects.map(Effect::name).join("_and_");
+            Self::new(&name, &effects, Brake::On, law.unwrap_or("stribeck"))
+        };
+        pairs.into_iter().map(pair).collect()
     }
 }
 
@@ -196,7 +152,8 @@ impl Recipe {
     pub fn draw(&self) -> HiddenCase {
         let stream = &mut Stream::new(self.seed, Purpose::Recipe);
         let scale = round_to(stream.uniform(self.scale.0, self.scale.1), 1e-3);
-        let spread = round_to(stream.uniform(self.spread.0, self.spread.1), 1e-3);
+        let least_spread = if self.rough { 0.02 } else { 0.01 };
+        let spread = round_to(stream.uniform(least_spread, 0.02), 1e-3);
         let ratios = draw_ratios(stream, spread);
         let believed_law = practice_law(self.kind.base).unwrap_or(STRIBECK);
 
@@ -231,10 +188,7 @@ impl Recipe {
             truth: law.name().to_owned(),
             effects: hidden.answers(),
             parameter_ratio: ratios.clone(),
-            place: None,
-            places: BTreeMap::new(),
-            sensors: None,
-            facts: BTreeMap::new(),
+            ..Answer::default()
         };
         HiddenCase {
             rig: TrueRig {
@@ -283,20 +237,16 @@ mod tests {
 
     #[test]
     fn small_law_differences_blend() {
-        let kind = Kind::singles()
-            .into_iter()
-            .find(|kind| kind.name == "stiction")
-            .unwrap();
         let case = Recipe {
-            kind,
+            kind: Kind::single(Effect::Stiction, Brake::On),
             seed: 1,
             scale: (0.1, 0.1),
-            spread: (0.0, 0.0),
             rough: false,
             noise: 1.0,
         }
         .draw();
-        let breakaway = case.rig.law.breakaway();
+        let level = case.answer.parameter_ratio[FRICTION_LEVEL];
+        let breakaway = case.rig.law.breakaway() / level;
         assert!(breakaway > 0.1445 && breakaway < 0.148, "{breakaway}");
         assert_eq!(case.answer.truth, "coulomb_stiction");
     }

@@ -2,14 +2,14 @@
 
 use crate::effects::Effects;
 use crate::excitation::Excitation;
-use crate::instruments::{Instruments, encoder};
+use crate::instruments::Instruments;
 use crate::random::Stream;
 use crate::simulator::Sample;
-use libm::sin;
+use clap::ValueEnum;
 use std::fmt::Write;
 
 /// What is measured beside time, voltage and normal force.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Sensors {
     /// Angles and speeds of disc and gearbox output.
     #[default]
@@ -92,54 +92,19 @@ impl Recording<'_> {
     fn columns(&self, stream: &mut Stream) -> Vec<Column> {
         let tools = self.instruments;
         let count = self.samples.len();
-        let of = |value: &dyn Fn(usize) -> f64| (0..count).map(value).collect::<Vec<f64>>();
-        let force = |forces: &[f64], bias: f64, stream: &mut Stream| {
-            forces
-                .iter()
-                .map(|&force| {
-                    let noise = tools.normal_force * stream.normal();
-                    if force == 0.0 {
-                        0.0
-                    } else {
-                        force + bias + noise
-                    }
-                })
-                .collect::<Vec<f64>>()
+        let mut of = |read: &dyn Fn(usize, &mut Stream) -> f64| -> Vec<f64> {
+            (0..count).map(|k| read(k, stream)).collect()
         };
-        let angle = |angles: Vec<f64>, step: f64, stream: &mut Stream| {
-            angles
-                .into_iter()
-                .map(|angle| {
-                    // An angle that is not quantised is noisy as much as a quantised one errs.
-                    let noise = step / libm::sqrt(12.0) * stream.normal();
-                    if tools.quantised {
-                        encoder(angle, step)
-                    } else {
-                        angle + noise
-                    }
-                })
-                .collect::<Vec<f64>>()
-        };
-        let speed = |speeds: Vec<f64>, noise: f64, stream: &mut Stream| {
-            speeds
-                .into_iter()
-                .map(|speed| speed + noise * stream.normal())
-                .collect::<Vec<f64>>()
-        };
-        let hidden = self.effects;
-        let start = sin(hidden.eccentricity_ph);
-        let seen = |k: usize| {
-            let angle = self.samples[k].seen_disc_angle;
-            angle + hidden.eccentricity * (sin(angle - hidden.eccentricity_ph) + start)
-        };
-        let samples = self.samples;
+        let (hidden, samples) = (self.effects, self.samples);
+        let (force, disc1_force) = (&self.excitation.normal_force, &self.excitation.disc1_force);
         let fine = |noise: f64| decimals(noise / 30.0);
         let (disc_step, gear_step) = (tools.disc_encoder_step, tools.gear_encoder_step);
+        let (disc_noise, gear_noise) = (tools.disc_speed, tools.gearbox_speed);
         let mut columns: Vec<Column> = vec![
             (
                 "time",
                 decimals(self.interval) + 1,
-                of(&|k| k as f64 * self.interval),
+                of(&|k, _| k as f64 * self.interval),
             ),
             (
                 "u",
@@ -149,58 +114,52 @@ impl Recording<'_> {
             (
                 "N2",
                 fine(tools.normal_force),
-                force(&self.excitation.normal_force, hidden.cell_bias, stream),
+                of(&|k, stream| tools.force(force[k], hidden.cell_bias, stream)),
             ),
             (
                 "theta",
                 fine(disc_step) + 1,
-                angle(of(&seen), disc_step, stream),
+                of(&|k, stream| {
+                    let angle = hidden.encoder_angle(samples[k].seen_disc_angle);
+                    tools.angle(angle, disc_step, stream)
+                }),
             ),
             (
                 "theta_dot",
-                fine(tools.disc_speed),
-                speed(
-                    of(&|k| hidden.tacho_gain * samples[k].seen_disc_speed),
-                    tools.disc_speed,
-                    stream,
-                ),
+                fine(disc_noise),
+                of(&|k, stream| {
+                    let speed = hidden.tacho_gain * samples[k].seen_disc_speed;
+                    speed + disc_noise * stream.normal()
+                }),
             ),
             (
                 "theta3",
                 fine(gear_step) + 1,
-                angle(of(&|k| samples[k].state.gearbox_angle), gear_step, stream),
+                of(&|k, stream| tools.angle(samples[k].state.gearbox_angle, gear_step, stream)),
             ),
             (
                 "theta3_dot",
-                fine(tools.gearbox_speed),
-                speed(
-                    of(&|k| samples[k].state.gearbox_speed),
-                    tools.gearbox_speed,
-                    stream,
-                ),
+                fine(gear_noise),
+                of(&|k, stream| samples[k].state.gearbox_speed + gear_noise * stream.normal()),
             ),
             (
                 "i",
                 fine(tools.current),
-                speed(of(&|k| samples[k].state.current), tools.current, stream),
+                of(&|k, stream| samples[k].state.current + tools.current * stream.normal()),
             ),
         ];
         if let Some(disc1) = self.disc1_effects {
-            let disc1_force = force(&self.excitation.disc1_force, disc1.cell_bias, stream);
-            columns.insert(3, ("N1", fine(tools.normal_force), disc1_force));
+            let forces = of(&|k, stream| tools.force(disc1_force[k], disc1.cell_bias, stream));
+            columns.insert(3, ("N1", fine(tools.normal_force), forces));
             columns.push((
                 "theta1",
                 fine(disc_step) + 1,
-                angle(of(&|k| samples[k].state.disc1_angle), disc_step, stream),
+                of(&|k, stream| tools.angle(samples[k].state.disc1_angle, disc_step, stream)),
             ));
             columns.push((
                 "theta1_dot",
-                fine(tools.disc_speed),
-                speed(
-                    of(&|k| samples[k].state.disc1_speed),
-                    tools.disc_speed,
-                    stream,
-                ),
+                fine(disc_noise),
+                of(&|k, stream| samples[k].state.disc1_speed + disc_noise * stream.normal()),
             ));
         }
         columns.retain(|(name, ..)| self.sensors.has(name));

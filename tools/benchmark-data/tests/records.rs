@@ -2,85 +2,108 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use benchmark_data::case_files::{make_cases, model_toml};
+use benchmark_data::answers::Answer;
+use benchmark_data::case_files::{Case, make_cases, model_toml};
 use benchmark_data::effects::Effects;
-use benchmark_data::excitation::Excitation;
+use benchmark_data::excitation::{Brake, Excitation};
 use benchmark_data::hidden_effect::practice_law;
-use benchmark_data::instruments::{DISC_ENCODER_STEP, MOTOR_ENCODER_STEP, Noise, record_csv};
+use benchmark_data::instruments::{DISC_ENCODER_STEP, Instruments, MOTOR_ENCODER_STEP, record_csv};
+use benchmark_data::other_rigs::case::{OtherCase, RigChoice};
+use benchmark_data::other_rigs::plan::{OtherWish, Sort};
 use benchmark_data::plan::{Group, Measured, PlannedCase, Suite, Wish};
 use benchmark_data::practice::{read_answers, read_record};
 use benchmark_data::random::{Purpose, Stream};
 use benchmark_data::recipe::Kind;
+use benchmark_data::records::Sensors;
 use benchmark_data::simulator::{Sample, State};
-use std::collections::BTreeSet;
+use clap::ValueEnum as _;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
 
-fn one_case(kind: &str, seed: u64) -> Vec<PlannedCase> {
+const SEED: u64 = 620_000;
+
+fn planned(kind: Kind, seed: u64, measured: Measured) -> Vec<PlannedCase> {
     Wish {
         seed,
         cases: 1,
-        kinds: Kind::singles()
-            .into_iter()
-            .chain(Kind::outsiders())
-            .filter(|candidate| candidate.name == kind)
-            .collect(),
+        kinds: vec![kind],
         scale: (0.6, 1.4),
         share_laws: false,
         rough: false,
         noise: 1.0,
-        measured: Measured::default(),
+        measured,
     }
     .plan()
     .unwrap()
 }
 
-fn bytes(directory: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut files: Vec<_> = fs::read_dir(directory)
+fn one_case(kind: &str, seed: u64) -> Vec<PlannedCase> {
+    let kind = Kind::singles().into_iter().find(|own| own.name == kind);
+    planned(kind.unwrap(), seed, Measured::default())
+}
+
+fn other_rig(common: OtherCase, kind: Option<&str>) -> Vec<OtherCase> {
+    OtherWish {
+        seed: SEED,
+        cases: 1,
+        sort: kind.map_or(Sort::Clean, |_| Sort::Single),
+        kind: kind.map(str::to_owned),
+        common,
+    }
+    .plan()
+    .unwrap()
+}
+
+fn made<C: Case>(cases: &[C]) -> tempfile::TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    make_cases(directory.path(), cases, 1, &|| ()).unwrap();
+    directory
+}
+
+/// The files of the only case by their names.
+fn files(directory: &tempfile::TempDir) -> BTreeMap<String, String> {
+    fs::read_dir(directory.path().join("case-0000"))
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .map(|path| {
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            (name, fs::read(path).unwrap())
+            (name, fs::read_to_string(&path).unwrap())
         })
-        .collect();
-    files.sort();
-    files
+        .collect()
+}
+
+fn answer(directory: &tempfile::TempDir) -> Answer {
+    read_answers(directory.path()).unwrap()["case-0000"].clone()
+}
+
+fn header(files: &BTreeMap<String, String>) -> &str {
+    files["held-out.csv"].lines().next().unwrap()
 }
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_and_another_seed_does_not() {
-    let make = |seed: u64| {
-        let directory = tempfile::tempdir().unwrap();
-        make_cases(
-            directory.path(),
-            &one_case("unbalance_no_brake", seed),
-            1,
-            &|| (),
-        )
-        .unwrap();
-        bytes(&directory.path().join("case-0000"))
-    };
+    let make = |seed: u64| files(&made(&one_case("unbalance_no_brake", seed)));
     let (first, again, other) = (make(3), make(3), make(4));
     assert!(first == again, "the same seed gave other bytes");
     assert!(first != other, "another seed gave the same bytes");
-    let names: Vec<&str> = first.iter().map(|(name, _)| name.as_str()).collect();
+    let names: Vec<&String> = first.keys().collect();
     assert_eq!(
         names,
         ["held-out.csv", "model.toml", "run-a.csv", "run-b.csv"]
     );
+    let other_rigs = [(); 2].map(|()| made(&other_rig(OtherCase::default(), Some("unbalance"))));
+    let [once, again] = other_rigs.map(|directory| {
+        (
+            files(&directory),
+            fs::read(directory.path().join("ANSWERS.json")).unwrap(),
+        )
+    });
+    assert!(once == again, "the same seed gave other bytes");
 }
 
 #[test]
 fn answers_have_the_schema_of_the_practice_records() {
-    let directory = tempfile::tempdir().unwrap();
-    make_cases(
-        directory.path(),
-        &one_case("bearing_friction", 5),
-        1,
-        &|| (),
-    )
-    .unwrap();
+    let directory = made(&one_case("bearing_friction", 5));
     let text = fs::read_to_string(directory.path().join("ANSWERS.json")).unwrap();
     let answers: serde_json::Value = serde_json::from_str(&text).unwrap();
     let keys: BTreeSet<&str> = answers["case-0000"]
@@ -101,7 +124,7 @@ fn answers_have_the_schema_of_the_practice_records() {
         "parameter_ratio",
     ]);
     assert_eq!(keys, expected);
-    let answer = &read_answers(directory.path()).unwrap()["case-0000"];
+    let answer = answer(&directory);
     let torque = answer.effects["bearing_T"];
     assert!((torque - 0.05 * answer.scale).abs() < 1e-12);
     let record = read_record(&directory.path().join("case-0000/run-a.csv")).unwrap();
@@ -160,7 +183,8 @@ fn instruments_round_down_and_add_their_noise() {
         ..Effects::default()
     };
     let mut stream = Stream::new(8, Purpose::Sensors(0));
-    let text = record_csv(&inputs, &samples, &hidden, Noise::scaled(1.0), &mut stream);
+    let tools = Instruments::dissertation(&mut stream.clone());
+    let text = record_csv(&inputs, &samples, &hidden, &tools, &mut stream);
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("record.csv");
     fs::write(&path, text).unwrap();
@@ -194,10 +218,143 @@ fn instruments_round_down_and_add_their_noise() {
 
 #[test]
 fn case_names_of_a_suite_do_not_tell_the_kind() {
-    let plan = Suite::Final.plan(&Group::ALL, Some(30));
+    let plan = Suite::Final.plan(Group::value_variants(), Some(30));
     for case in plan {
         for effect in case.recipe.kind.effects {
             assert!(!case.name.contains(effect.name()), "{}", case.name);
         }
+    }
+}
+
+const COLUMNS: [(Sensors, &str); 5] = [
+    (Sensors::All, "time,u,N2,theta,theta_dot,theta3,theta3_dot"),
+    (Sensors::Encoders, "time,u,N2,theta,theta3"),
+    (Sensors::Tachometers, "time,u,N2,theta_dot,theta3_dot"),
+    (Sensors::NoDisc, "time,u,N2,theta3,i"),
+    (
+        Sensors::Current,
+        "time,u,N2,theta,theta_dot,theta3,theta3_dot,i",
+    ),
+];
+
+fn measured(sensors: Sensors) -> Measured {
+    Measured {
+        sensors,
+        ..Measured::default()
+    }
+}
+
+#[test]
+fn subsets_of_the_sensors_have_their_columns_and_leave_the_readings_alone() {
+    let whole = files(&made(&other_rig(OtherCase::default(), None)));
+    for (sensors, columns) in COLUMNS {
+        let common = OtherCase {
+            measured: measured(sensors),
+            ..OtherCase::default()
+        };
+        let found = files(&made(&other_rig(common, None)));
+        assert_eq!(header(&found), columns);
+        assert_eq!(
+            found["sensors.toml"].contains("current_noise"),
+            columns.ends_with(",i")
+        );
+        let all: Vec<&str> = header(&whole).split(',').collect();
+        for (row, full) in found["run-a.csv"].lines().zip(whole["run-a.csv"].lines()) {
+            let full: Vec<&str> = full.split(',').collect();
+            for (name, value) in columns.split(',').zip(row.split(',')) {
+                if let Some(place) = all.iter().position(|known| *known == name) {
+                    assert_eq!(value, full[place], "{name}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn subsets_of_the_sensors_work_on_the_dissertation_s_rig() {
+    for (sensors, columns) in COLUMNS {
+        let cases = planned(Kind::clean(Brake::Off), SEED, measured(sensors));
+        let found = files(&made(&cases));
+        assert_eq!(header(&found), columns);
+        assert_eq!(found.contains_key("sensors.toml"), columns.ends_with(",i"));
+    }
+}
+
+#[test]
+fn the_model_states_how_well_its_numbers_are_known() {
+    let directory = made(&other_rig(OtherCase::default(), Some("unbalance")));
+    let model: toml::Table = files(&directory)["model.toml"].parse().unwrap();
+    let answer = answer(&directory);
+    let known = |section: &str, key: &str| model[section][key]["relative_uncertainty"].as_float();
+    let expected = 0.006 * answer.spread / 0.02;
+    assert!((known("disc", "inertia").unwrap() - expected).abs() < 1e-6);
+    for (section, key) in [
+        ("shaft", "damping"),
+        ("motor", "coulomb_torque"),
+        ("contact", "mu_c"),
+    ] {
+        assert!(known(section, key).unwrap() > expected, "{key}");
+    }
+    assert!(
+        model["motor"]["inertia"]
+            .get("relative_uncertainty")
+            .is_none()
+    );
+    assert!(answer.effects["unbal_T"] >= 0.099 * answer.facts["friction_torque"]);
+    assert!(answer.effects["unbal_T"] <= 0.601 * answer.facts["friction_torque"]);
+}
+
+#[test]
+fn nobody_knows_the_instruments_but_the_answers() {
+    let common = OtherCase {
+        measured: Measured {
+            unknown: true,
+            ..Measured::default()
+        },
+        ..OtherCase::default()
+    };
+    let directory = made(&other_rig(common, None));
+    assert!(!files(&directory).contains_key("sensors.toml"));
+    let beside = directory
+        .path()
+        .join("true-sensors/case-0000/sensors.true.toml");
+    let sensors: toml::Table = fs::read_to_string(beside).unwrap().parse().unwrap();
+    let stated = answer(&directory).sensors.unwrap();
+    assert_eq!(
+        sensors["disc_velocity_noise"].as_float(),
+        Some(stated["disc_velocity_noise"])
+    );
+}
+
+#[test]
+fn the_full_rig_has_both_discs_and_says_where_the_effect_is() {
+    for (index, place) in ["disc1", "disc2"].into_iter().enumerate() {
+        let cases = OtherWish {
+            seed: SEED,
+            cases: 2,
+            sort: Sort::Single,
+            kind: Some("unbalance".to_owned()),
+            common: OtherCase {
+                rig: RigChoice::Full,
+                ..OtherCase::default()
+            },
+        }
+        .plan()
+        .unwrap();
+        let chosen = OtherCase {
+            name: "case-0000".to_owned(),
+            ..cases[index].clone()
+        };
+        let directory = made(&[chosen]);
+        let found = files(&directory);
+        assert_eq!(
+            header(&found),
+            "time,u,N2,N1,theta,theta_dot,theta3,theta3_dot,theta1,theta1_dot"
+        );
+        let model: toml::Table = found["model.toml"].parse().unwrap();
+        for section in ["disc1", "shaft1", "contact1"] {
+            assert!(model.contains_key(section), "{section}");
+        }
+        assert_eq!(answer(&directory).place.as_deref(), Some(place));
     }
 }

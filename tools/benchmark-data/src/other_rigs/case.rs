@@ -17,8 +17,9 @@ use crate::other_rigs::plan::OtherKind;
 use crate::other_rigs::runs::{Layout, Wants, voltage_step};
 use crate::other_rigs::sizes::Scales;
 use crate::other_rigs::text::{facts, model_toml};
+use crate::plan::Measured;
 use crate::random::{Purpose, Stream};
-use crate::records::{Recording, Sensors};
+use crate::records::Recording;
 use crate::rig::{FRICTION_LEVEL, NOMINAL, draw_ratios};
 use crate::simulator::{Sample, Simulator, State, TrueRig};
 use core::f64::consts::TAU;
@@ -63,9 +64,7 @@ pub struct OtherCase {
     /// Factor on the noise of the instruments.
     pub noise: f64,
     /// What is measured.
-    pub sensors: Sensors,
-    /// Whether nobody knows the instruments.
-    pub unknown: bool,
+    pub measured: Measured,
     /// Normal force at which a load exponent changes nothing [N]; `None`: the middle load.
     pub load_reference: Option<f64>,
 }
@@ -213,7 +212,7 @@ impl OtherCase {
             _ => rig.draw_instruments(&mut tools),
         };
         instruments = instruments.noisier(self.noise);
-        if self.unknown {
+        if self.measured.unknown {
             instruments = instruments.unknown_to_all(&mut tools);
         }
         let disc1 = disc1_draws.map(|disc1| disc1.build(&rig, &mut stream(Purpose::Disc1Law)));
@@ -332,10 +331,10 @@ impl Case for OtherCase {
         let case = self.draw()?;
         let numerics = case.numerics(1.0);
         let mut files = vec![("model.toml".to_owned(), model_toml(&case))];
-        let reads_current = self.sensors.has("i");
+        let reads_current = self.measured.sensors.has("i");
         let sensors = case.instruments.toml(reads_current);
         let assumed = self.rig == RigChoice::Dissertation && self.noise == 1.0 && !reads_current;
-        if !self.unknown && !assumed {
+        if !self.measured.unknown && !assumed {
             files.push(("sensors.toml".to_owned(), sensors.clone()));
         }
         for (index, run) in case.runs.iter().enumerate() {
@@ -348,7 +347,7 @@ impl Case for OtherCase {
                 effects: &case.truth.effects,
                 disc1_effects: case.truth.disc1.as_ref().map(|disc1| &disc1.effects),
                 instruments: &case.instruments,
-                sensors: self.sensors,
+                sensors: self.measured.sensors,
                 interval: case.layout.interval,
                 voltage_step: voltage_step(&case.rig),
             };
@@ -357,7 +356,7 @@ impl Case for OtherCase {
         }
         Ok(MadeCase {
             files,
-            true_sensors: self.unknown.then_some(sensors),
+            true_sensors: self.measured.unknown.then_some(sensors),
             answer: self.answer(&case),
         })
     }
@@ -406,7 +405,7 @@ impl OtherCase {
             } else {
                 BTreeMap::new()
             },
-            sensors: self.unknown.then(|| case.instruments.answers()),
+            sensors: self.measured.unknown.then(|| case.instruments.answers()),
             facts: facts(case),
         }
     }

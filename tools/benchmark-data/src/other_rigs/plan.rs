@@ -1,11 +1,11 @@
 //! Which cases to make on other rigs.
 
 use crate::error::MakerError;
-use crate::hidden_effect::{CATALOGUE, Effect};
+use crate::hidden_effect::Effect;
+use crate::kinds::{in_turn, only};
 use crate::other_rigs::case::{OtherCase, RigChoice};
-use crate::plan::{check_seeds, check_sizes};
+use crate::plan::{Measured, check_seeds, check_sizes};
 use crate::random::{Purpose, Stream};
-use crate::records::Sensors;
 
 /// What is hidden in a case on another rig.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,28 +43,18 @@ pub const ON_EITHER_DISC: [Effect; 6] = [
     Effect::ShaftHardening,
 ];
 
-/// Effects in no catalogue.
-pub const OUTSIDERS: [Effect; 20] = [
-    Effect::BreathingInertia,
-    Effect::DynamicAbsorber,
-    Effect::FrictionBump,
-    Effect::PeriodicTorque,
-    Effect::ShaftSoftening,
-    Effect::TorqueSaturation,
-    Effect::BreakawayAfterDwell,
-    Effect::FrictionMemory,
-    Effect::DriveLag,
-    Effect::EncoderEccentricity,
-    Effect::TachometerGain,
-    Effect::ThreeLobes,
-    Effect::LiftingPin,
-    Effect::FadingMotor,
-    Effect::FrictionPatch,
-    Effect::HigherHarmonics,
-    Effect::FrictionJump,
-    Effect::SwayingFriction,
-    Effect::AsymmetricFriction,
-    Effect::LoadSaturation,
+/// Kinds whose effect is hidden under another law of the analyst's.
+pub(crate) const UNDER_OTHER_LAWS: [(&str, Effect, &str); 2] = [
+    (
+        "normal_force_wobble_gauss",
+        Effect::NormalForceWobble,
+        "two_gaussian_mu",
+    ),
+    (
+        "acceleration_hysteresis_c",
+        Effect::AccelerationHysteresis,
+        "coulomb_stiction",
+    ),
 ];
 
 /// What to make on other rigs.
@@ -107,51 +97,39 @@ impl OtherKind {
         let choices: Vec<(Effect, bool)> = if full_rig {
             on_either.concat()
         } else {
-            CATALOGUE.iter().map(|&effect| (effect, false)).collect()
+            Effect::catalogue().map(|effect| (effect, false)).collect()
+        };
+        let sets_of = |count| {
+            let sets = combinations(&choices, count);
+            sets.iter().map(|set| Self::new(set)).collect()
         };
         match sort {
             Sort::Clean => vec![Self::clean()],
-            Sort::Outside => OUTSIDERS
-                .iter()
-                .map(|&effect| Self {
+            Sort::Outside => Effect::outsiders()
+                .map(|effect| Self {
                     name: format!("outside_{}", effect.name()),
                     ..Self::new(&[(effect, false)])
                 })
                 .collect(),
             Sort::Single => {
-                let mut kinds: Vec<Self> =
-                    choices.iter().map(|&choice| Self::new(&[choice])).collect();
-                if !full_rig {
-                    for (name, effect, base) in [
-                        (
-                            "normal_force_wobble_gauss",
-                            Effect::NormalForceWobble,
-                            "two_gaussian_mu",
-                        ),
-                        (
-                            "acceleration_hysteresis_c",
-                            Effect::AccelerationHysteresis,
-                            "coulomb_stiction",
-                        ),
-                    ] {
-                        kinds.push(Self {
-                            name: name.to_owned(),
-                            effects: vec![(effect, false)],
-                            base: Some(base),
-                        });
-                    }
-                }
-                kinds
+                let singles = choices.iter().map(|&choice| Self::new(&[choice]));
+                let under_other_laws = UNDER_OTHER_LAWS.iter().map(|&(name, effect, base)| Self {
+                    name: name.to_owned(),
+                    effects: vec![(effect, false)],
+                    base: Some(base),
+                });
+                let further = if full_rig { 0 } else { UNDER_OTHER_LAWS.len() };
+                singles.chain(under_other_laws.take(further)).collect()
             }
-            Sort::Pair => combinations(&choices, 2),
-            Sort::Triple => combinations(&choices, 3),
+            Sort::Pair => sets_of(2),
+            Sort::Triple => sets_of(3),
         }
     }
 }
 
 /// Every set of `count` effects that records can part: not two laws, no effect twice, and not
 /// `motor_viscous` with `supply_sag`.
-fn combinations(choices: &[(Effect, bool)], count: usize) -> Vec<OtherKind> {
+pub(crate) fn combinations(choices: &[(Effect, bool)], count: usize) -> Vec<Vec<(Effect, bool)>> {
     let mut sets: Vec<Vec<(Effect, bool)>> = vec![Vec::new()];
     for &choice in choices {
         let longer: Vec<_> = sets
@@ -161,14 +139,9 @@ fn combinations(choices: &[(Effect, bool)], count: usize) -> Vec<OtherKind> {
             .collect();
         sets.extend(longer);
     }
-    sets.iter()
-        .filter(|set| set.len() == count)
-        .map(|set| {
-            let mut set = set.clone();
-            set.sort_by_key(|(effect, _)| effect.name());
-            OtherKind::new(&set)
-        })
-        .collect()
+    sets.retain(|set| set.len() == count);
+    sets.iter_mut().for_each(|set| set.sort());
+    sets
 }
 
 fn fits(set: &[(Effect, bool)], effect: Effect) -> bool {
@@ -190,22 +163,18 @@ impl OtherWish {
         check_seeds(self.seed, self.cases)?;
         check_sizes(self.common.size, self.common.noise)?;
         let full_rig = self.common.rig == RigChoice::Full;
-        let mut kinds = OtherKind::all(self.sort, full_rig);
-        kinds.retain(|kind| self.kind.as_ref().is_none_or(|name| *name == kind.name));
-        if kinds.is_empty() {
-            return Err(MakerError::NoKind(self.kind.clone().unwrap_or_default()));
-        }
+        let kinds = OtherKind::all(self.sort, full_rig);
+        let mut kinds = only(kinds, self.kind.as_deref(), |kind| &kind.name)?;
         if matches!(self.sort, Sort::Pair | Sort::Triple) {
             Stream::new(self.seed, Purpose::Recipe).shuffle(&mut kinds);
         }
-        Ok((0..self.cases)
-            .map(|index| OtherCase {
-                name: format!("case-{index:04}"),
-                kind: kinds[index % kinds.len()].clone(),
-                seed: self.seed + index as u64,
-                ..self.common.clone()
-            })
-            .collect())
+        let case = |(name, seed, kind)| OtherCase {
+            name,
+            kind,
+            seed,
+            ..self.common.clone()
+        };
+        Ok(in_turn(&kinds, self.seed, self.cases).map(case).collect())
     }
 }
 
@@ -221,8 +190,7 @@ impl Default for OtherCase {
             share_laws: false,
             rough: false,
             noise: 1.0,
-            sensors: Sensors::All,
-            unknown: false,
+            measured: Measured::default(),
             load_reference: Some(50.0),
         }
     }

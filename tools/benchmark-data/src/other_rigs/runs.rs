@@ -118,7 +118,7 @@ impl Layout {
             inputs.plateaus(periods, free, one_load, stop, stream);
             runs.push(Run {
                 file: names[index.min(3)],
-                excitation: inputs.close(),
+                excitation: inputs.excitation.close(),
             });
         }
         let mut inputs = Inputs::new(self, rig, disc1_load);
@@ -134,7 +134,7 @@ impl Layout {
         inputs.swing(periods * swinging, stream);
         runs.push(Run {
             file: "held-out.csv",
-            excitation: inputs.close(),
+            excitation: inputs.excitation.close(),
         });
         runs
     }
@@ -252,21 +252,6 @@ impl<'a> Inputs<'a> {
         format!("{:.*}", crate::records::decimals(step), steps * step)
             .parse()
             .unwrap_or(voltage)
-    }
-
-    /// The last sample of a file repeats the inputs that held before it.
-    fn close(self) -> Excitation {
-        let mut excitation = self.excitation;
-        excitation
-            .voltage
-            .extend(excitation.voltage.last().copied());
-        excitation
-            .normal_force
-            .extend(excitation.normal_force.last().copied());
-        excitation
-            .disc1_force
-            .extend(excitation.disc1_force.last().copied());
-        excitation
     }
 }
 

@@ -1,5 +1,6 @@
 //! `model.toml` of a drawn rig, and the facts that its answer states.
 
+use crate::answers::named;
 use crate::law::ContactLaw;
 use crate::other_rigs::case::DrawnCase;
 use crate::rig::relative_uncertainty;
@@ -85,7 +86,7 @@ fn contact(name: &str, radius: f64, law: &ContactLaw, spread: f64) -> String {
         law.name()
     );
     let sigma = rounded(relative_uncertainty(crate::rig::FRICTION_LEVEL, spread));
-    for (key, value) in law_numbers(law) {
+    for (key, value) in law.numbers() {
         let _ = match key {
             "mu_c" | "mu_s" | "a1" | "a2" => writeln!(
                 text,
@@ -97,35 +98,11 @@ fn contact(name: &str, radius: f64, law: &ContactLaw, spread: f64) -> String {
     text
 }
 
-/// Numbers of a law with the keys of `model.toml`.
-pub fn law_numbers(law: &ContactLaw) -> Vec<(&'static str, f64)> {
-    match law {
-        ContactLaw::Coulomb { mu_c } => vec![("mu_c", *mu_c)],
-        ContactLaw::CoulombStiction { mu_c, mu_s } => vec![("mu_c", *mu_c), ("mu_s", *mu_s)],
-        ContactLaw::Stribeck {
-            mu_c,
-            mu_s,
-            omega_s,
-        } => vec![("mu_c", *mu_c), ("mu_s", *mu_s), ("omega_s", *omega_s)],
-        ContactLaw::TwoGaussian(law) => vec![
-            ("a1", law.height[0]),
-            ("b1", law.centre[0]),
-            ("c1", law.width[0]),
-            ("a2", law.height[1]),
-            ("b2", law.centre[1]),
-            ("c2", law.width[1]),
-            ("omega_centre", law.omega_centre),
-            ("acceleration_semi_axis", law.acceleration_semi_axis),
-        ],
-        ContactLaw::Blend { other, .. } => law_numbers(other),
-    }
-}
-
 /// What the rig is and does, for whoever looks at the answers: true numbers of the contact under
 /// `contact.`, loads, speeds and what the records show.
 pub fn facts(case: &DrawnCase) -> BTreeMap<String, f64> {
     let rig = &case.rig;
-    let mut facts: BTreeMap<String, f64> = [
+    let mut facts = named([
         ("natural_period", rig.period),
         ("samples_per_period", rig.period / case.layout.interval),
         ("learning_periods", case.layout.learning_periods),
@@ -137,14 +114,11 @@ pub fn facts(case: &DrawnCase) -> BTreeMap<String, f64> {
         ("sticking_share", case.motion.sticking),
         ("sticking_phases", case.motion.phases as f64),
         ("sliding_periods", case.motion.sliding),
-    ]
-    .into_iter()
-    .map(|(name, value)| (name.to_owned(), value))
-    .collect();
+    ]);
     if case.motion.margin.is_finite() {
         facts.insert("loop_margin".to_owned(), case.motion.margin);
     }
-    for (key, value) in law_numbers(&case.truth.law) {
+    for (key, value) in case.truth.law.numbers() {
         facts.insert(format!("contact.{key}"), value);
     }
     facts
