@@ -80,6 +80,15 @@ pub enum Arrays {
     OtherCount,
 }
 
+/// Array arguments: value references, with what is wrong with them and with the values that go with them.
+#[derive(Debug, Clone)]
+pub struct Array {
+    /// The value references.
+    pub references: Vec<u32>,
+    /// What is wrong.
+    pub wrong: Arrays,
+}
+
 /// What is wrong with the arguments of an instantiation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Instantiation {
@@ -149,31 +158,26 @@ pub enum Action {
     Reset,
     Get {
         kind: Kind,
-        references: Vec<u32>,
-        arrays: Arrays,
+        array: Array,
     },
     Set {
         kind: Kind,
-        references: Vec<u32>,
+        array: Array,
         values: Vec<f64>,
-        arrays: Arrays,
     },
     InputDerivatives {
-        references: Vec<u32>,
+        array: Array,
         orders: Vec<i32>,
         values: Vec<f64>,
-        arrays: Arrays,
     },
     OutputDerivatives {
-        references: Vec<u32>,
+        array: Array,
         orders: Vec<i32>,
-        arrays: Arrays,
     },
     Directional {
-        unknowns: Vec<u32>,
+        unknowns: Array,
         knowns: Vec<u32>,
         seed: Vec<f64>,
-        arrays: Arrays,
     },
     Step {
         offset: f64,

@@ -8,13 +8,12 @@ use std::ptr;
 
 use anyhow::Result;
 use stickslip::ffi::Status;
-use stickslip::ffi::fmi2::CallbackFunctions;
 
 use crate::call::{Action, Aim, Call, Instantiation, SLOTS, STATE_PLACES, View};
 use crate::component::Component;
 use crate::expectation::{Expectation, Saved};
-use crate::library::{Handle, Library};
-use crate::log::{Inbox, logger_2, logger_3};
+use crate::library::{Birth, Handle, Library};
+use crate::log::Inbox;
 use crate::standard::{State, Version, state_after};
 
 /// An instance in the library with what it should be.
@@ -89,10 +88,10 @@ impl<'a> CallSequence<'a> {
 
     /// The version of a slot's instances: the main one, but for the last quarter of the slots.
     fn version(&self, slot: usize) -> Version {
-        match (slot >= SLOTS - SLOTS / 4, self.main) {
-            (false, main) => main,
-            (true, Version::Two) => Version::Three,
-            (true, Version::Three) => Version::Two,
+        if slot >= SLOTS - SLOTS / 4 {
+            self.main.other()
+        } else {
+            self.main
         }
     }
 
@@ -157,24 +156,23 @@ impl<'a> CallSequence<'a> {
         self.calls += 1;
         self.refused += 1;
         let (two, three) = (&self.library.fmi2, &self.library.fmi3);
+        let both = self.library.of(self.main);
         let mut flags = [0_u8; 3];
         let [event, terminate, early] = &mut flags;
         let (mut time, mut state) = (0.0, ptr::null_mut());
         // SAFETY: the handle is no instance, which the library must notice; the places are valid.
         let status = unsafe {
             match (self.main, action) {
+                (_, Action::SaveState { .. }) => (both.get_state)(handle, &mut state),
                 (Version::Two, Action::Step { .. }) => (two.step)(handle, 0.0, 0.1, 1),
-                (Version::Two, Action::SaveState { .. }) => (two.get_state)(handle, &mut state),
                 (Version::Two, Action::Get { .. }) => (two.get_real)(handle, &1, 1, &mut time),
-                (Version::Two, _) => (two.reset)(handle),
                 (Version::Three, Action::Step { .. }) => {
                     (three.step)(handle, 0.0, 0.1, 1, event, terminate, early, &mut time)
                 }
-                (Version::Three, Action::SaveState { .. }) => (three.get_state)(handle, &mut state),
                 (Version::Three, Action::Get { .. }) => {
                     (three.get_real)(handle, &1, 1, &mut time, 1)
                 }
-                (Version::Three, _) => (three.reset)(handle),
+                _ => (both.reset)(handle),
             }
         };
         if status == Status::Error as c_int {
@@ -187,13 +185,9 @@ impl<'a> CallSequence<'a> {
     }
 
     fn through_other_version(&mut self, instance: &mut Instance) -> Result<(), String> {
+        let other = self.library.of(instance.expected.version.other());
         // SAFETY: a live handle, though of the other version.
-        let status = unsafe {
-            match instance.expected.version {
-                Version::Two => (self.library.fmi3.terminate)(instance.handle),
-                Version::Three => (self.library.fmi2.terminate)(instance.handle),
-            }
-        };
+        let status = unsafe { (other.terminate)(instance.handle) };
         self.compare(instance, Err(Status::Error), 0, &Answer::status(status))
     }
 
@@ -225,8 +219,7 @@ impl<'a> CallSequence<'a> {
             Instantiation::Scheme => CString::new("http://example.com/resources"),
             Instantiation::Relative => CString::new("resources"),
             Instantiation::Nowhere => CString::new("/nowhere/at all/resources"),
-            _ if version == Version::Two => here.uri().map_or_else(|_| CString::new(""), Ok),
-            _ => here.native_path().map_or_else(|_| CString::new(""), Ok),
+            _ => Ok(here.resources(version).unwrap_or_default()),
         }
         .unwrap_or_default();
         let name = if instantiation == Instantiation::BlankName {
@@ -241,56 +234,19 @@ impl<'a> CallSequence<'a> {
                 text.as_ptr()
             }
         };
-        let texts = [
-            or_null(name, Instantiation::NoName),
-            or_null(&token, Instantiation::NoToken),
-            or_null(&location, Instantiation::NoResources),
-        ];
-        let handle = match version {
-            Version::Two => {
-                let functions = CallbackFunctions {
-                    logger: logger.then(logger_2),
-                    allocate_memory: None,
-                    free_memory: None,
-                    step_finished: None,
-                    component_environment: inbox.environment(),
-                };
-                let functions = if instantiation == Instantiation::Interface {
-                    ptr::null()
-                } else {
-                    &raw const functions
-                };
-                // SAFETY: strings and callbacks are valid or NULL.
-                unsafe {
-                    (self.library.fmi2.instantiate)(
-                        texts[0],
-                        1,
-                        texts[1],
-                        texts[2],
-                        functions,
-                        0,
-                        logging.into(),
-                    )
-                }
-            }
-            // SAFETY: as above.
-            Version::Three => unsafe {
-                (self.library.fmi3.instantiate)(
-                    texts[0],
-                    texts[1],
-                    texts[2],
-                    0,
-                    logging.into(),
-                    event_mode.into(),
-                    early_return.into(),
-                    &0,
-                    usize::from(instantiation == Instantiation::Interface),
-                    inbox.environment(),
-                    logger.then(logger_3),
-                    ptr::null(),
-                )
-            },
+        let birth = Birth {
+            name: or_null(name, Instantiation::NoName),
+            token: or_null(&token, Instantiation::NoToken),
+            resources: or_null(&location, Instantiation::NoResources),
+            event_mode,
+            early_return,
+            logging,
+            logger,
+            environment: inbox.environment(),
+            wrong_interface: instantiation == Instantiation::Interface,
         };
+        // SAFETY: strings are valid or NULL, and the inbox is kept with the instance.
+        let handle = unsafe { self.library.instantiate(version, &birth) };
         let messages = inbox.take();
         let silent = instantiation == Instantiation::Sound
             || !logger
@@ -352,12 +308,7 @@ impl<'a> CallSequence<'a> {
             }
         };
         // SAFETY: a live handle, or what the library must recognise as none.
-        unsafe {
-            match version {
-                Version::Two => (self.library.fmi2.free)(handle),
-                Version::Three => (self.library.fmi3.free)(handle),
-            }
-        }
+        unsafe { (self.library.of(version).free)(handle) }
     }
 
     /// Ends all instances of the sequence.

@@ -2,11 +2,12 @@
 
 use std::ffi::CString;
 use std::fs;
-use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
 use stickslip::cosim::{CoSimulationModel, VariableTable, open};
 use tempfile::TempDir;
+
+use crate::standard::Version;
 
 /// Text of the reduced rig's model file.
 pub const REDUCED_RIG: &str = include_str!("../../../modelDescription/reduced-rig.toml");
@@ -15,7 +16,7 @@ pub const FULL_RIG: &str = include_str!("../../../modelDescription/full-rig.toml
 
 /// An unpacked component.
 pub struct Component {
-    text: &'static str,
+    text: String,
     folder: TempDir,
     /// Its GUID or instantiation token.
     pub token: CString,
@@ -28,12 +29,12 @@ impl Component {
     ///
     /// # Errors
     /// The text describes no model, or the folder cannot be made.
-    pub fn new(text: &'static str) -> Result<Self> {
+    pub fn new(text: &str) -> Result<Self> {
         let folder = TempDir::with_prefix("under fire ").context("cannot make a folder")?;
         fs::write(folder.path().join("model.toml"), text).context("cannot write model.toml")?;
         let model = open(text, "model.toml")?;
         Ok(Self {
-            text,
+            text: text.to_owned(),
             token: CString::new(model.token().to_string())?,
             table: (**model.table()).clone(),
             folder,
@@ -45,39 +46,21 @@ impl Component {
     /// # Errors
     /// None, after [`new`](Self::new) has read the same text.
     pub fn native(&self) -> Result<Box<dyn CoSimulationModel>> {
-        Ok(open(self.text, "model.toml")?)
+        Ok(open(&self.text, "model.toml")?)
     }
 
-    /// The resource folder as a path.
-    #[must_use]
-    pub fn folder(&self) -> &Path {
-        self.folder.path()
-    }
-
-    /// The resource folder as FMI 2 wants it.
+    /// The resource folder as the version wants it: a URI or a path.
     ///
     /// # Errors
     /// The path has a zero byte or is not UTF-8.
-    pub fn uri(&self) -> Result<CString> {
-        Ok(CString::new(format!(
-            "file://{}",
-            self.path()?.replace(' ', "%20")
-        ))?)
-    }
-
-    /// The resource folder as FMI 3 wants it.
-    ///
-    /// # Errors
-    /// The path has a zero byte or is not UTF-8.
-    pub fn native_path(&self) -> Result<CString> {
-        Ok(CString::new(self.path()?)?)
-    }
-
-    fn path(&self) -> Result<&str> {
-        self.folder
-            .path()
-            .to_str()
-            .ok_or_else(|| anyhow!("{} is not UTF-8", self.folder.path().display()))
+    pub fn resources(&self, version: Version) -> Result<CString> {
+        let folder = self.folder.path();
+        let path = folder.to_str();
+        let path = path.ok_or_else(|| anyhow!("{} is not UTF-8", folder.display()))?;
+        Ok(CString::new(match version {
+            Version::Two => format!("file://{}", path.replace(' ', "%20")),
+            Version::Three => path.to_owned(),
+        })?)
     }
 
     /// Value reference of the variable `name`.

@@ -57,6 +57,16 @@ fn outputs(rig: &Rig<'_>, component: &Component) -> Result<[u64; 5]> {
     Ok(rig.get(&references(component, OUTPUTS)?)?.map(f64::to_bits))
 }
 
+/// The end of a run that is alone in its process.
+fn alone(library: &Library, component: &Component, number: usize) -> Result<[u64; 5]> {
+    let (version, values) = case(number, component)?;
+    let rig = Rig::start(library, component, version, &values)?;
+    for step in 0..LONG_STEPS {
+        rig.step(step as f64 * LONG, LONG)?;
+    }
+    outputs(&rig, component)
+}
+
 /// Steps `instances` instances from `threads` threads at once, each thread its share in turn, and compares the ends
 /// with single runs.
 ///
@@ -98,13 +108,8 @@ pub fn threads(library: &Library, instances: usize, threads: usize) -> Result<St
     })?;
     let mut compared = 0;
     for (number, end) in ends.into_iter().flatten() {
-        let (version, values) = case(number, &component)?;
-        let alone = Rig::start(library, &component, version, &values)?;
-        for step in 0..LONG_STEPS {
-            alone.step(step as f64 * LONG, LONG)?;
-        }
         ensure!(
-            outputs(&alone, &component)? == end,
+            alone(library, &component, number)? == end,
             "run {number} ends elsewhere than alone"
         );
         compared += 1;
@@ -260,24 +265,19 @@ pub fn side_by_side(path: &Path) -> Result<String> {
     }
     let components = [Component::new(REDUCED_RIG)?, Component::new(FULL_RIG)?];
     let mut rigs = Vec::new();
-    let mut alone = Vec::new();
     for (library, component) in libraries.iter().zip(&components) {
         for number in [4, 5] {
             let (version, values) = case(number, component)?;
-            rigs.push((Rig::start(library, component, version, &values)?, component));
-            let single = Rig::start(library, component, version, &values)?;
-            for step in 0..LONG_STEPS {
-                single.step(step as f64 * LONG, LONG)?;
-            }
-            alone.push(outputs(&single, component)?);
+            let rig = Rig::start(library, component, version, &values)?;
+            rigs.push((rig, component, alone(library, component, number)?));
         }
     }
     for step in 0..16 * LONG_STEPS {
-        for (rig, _) in &rigs {
+        for (rig, ..) in &rigs {
             rig.step(step as f64 * SHORT, SHORT)?;
         }
     }
-    for ((rig, component), alone) in rigs.iter().zip(&alone) {
+    for (rig, component, alone) in &rigs {
         ensure!(
             outputs(rig, component)? == *alone,
             "a run beside others ends elsewhere than alone"

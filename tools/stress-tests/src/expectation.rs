@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use stickslip::cosim::{
-    Causality, CoSimulationModel, Variability, Variable, VariableTable, VariableType,
+    Causality, CoSimulationModel, Initial, StateReader, StateWriter, Variability, Variable,
+    VariableTable, VariableType,
 };
 use stickslip::ffi::Status;
 
-use crate::call::{Arrays, Kind, SetUp};
+use crate::call::{Array, Arrays, Kind, SetUp};
 use crate::standard::{Function, State, Version, is_legal};
 
 /// Bits of the values that a call returns, or the status with which it is refused.
@@ -196,24 +197,26 @@ impl Expectation {
             .ok_or(Status::Error)
     }
 
-    fn arrays(&self, arrays: Arrays, count: usize, kind: Kind) -> Result<(), Status> {
-        match arrays {
-            Arrays::Sound => Ok(()),
-            Arrays::HugeCount => Err(Status::Error),
-            Arrays::OtherCount if self.version == Version::Two || !has_values(kind) => Ok(()),
-            Arrays::OtherCount => Err(Status::Error),
-            _ if count == 0 => Ok(()),
-            _ => Err(Status::Error),
-        }
+    fn sound(&self, array: &Array, kind: Kind) -> Result<(), Status> {
+        let sound = match array.wrong {
+            Arrays::Sound => true,
+            Arrays::HugeCount => false,
+            // Only setters and getters of these types look at a number of values.
+            Arrays::OtherCount => {
+                self.version == Version::Two || !matches!(kind, Kind::Real | Kind::Boolean)
+            }
+            _ => array.references.is_empty(),
+        };
+        sound.then_some(()).ok_or(Status::Error)
     }
 
     /// Getters.
-    pub fn get(&mut self, kind: Kind, references: &[u32], arrays: Arrays) -> Verdict {
+    pub fn get(&mut self, kind: Kind, array: &Array) -> Verdict {
         self.legal(Function::Get)?;
-        self.arrays(arrays, references.len(), kind)?;
+        self.sound(array, kind)?;
         let table = self.table();
         let mut values = Vec::new();
-        for reference in references {
+        for reference in &array.references {
             values.push(match kind {
                 Kind::Real => {
                     Self::row(&table, *reference, VariableType::Real)?;
@@ -235,32 +238,24 @@ impl Expectation {
     }
 
     fn settable(&self, row: &Variable) -> bool {
-        let before = row.causality == Causality::Input
-            || row.initial == Some(stickslip::cosim::Initial::Exact);
-        let between = row.causality == Causality::Input || row.variability == Variability::Tunable;
         match self.state {
-            State::Instantiated | State::Initialization => before,
-            State::Step => between && (!self.event_mode || row.causality == Causality::Input),
-            State::Event => between,
+            State::Instantiated | State::Initialization => settable_before(row),
+            State::Step if self.event_mode => row.causality == Causality::Input,
+            State::Step | State::Event => settable_between(row),
             // Configuration mode is for structural parameters, of which there are none.
             _ => false,
         }
     }
 
     /// Setters. All values are set, or none.
-    pub fn set(
-        &mut self,
-        kind: Kind,
-        references: &[u32],
-        values: &[f64],
-        arrays: Arrays,
-    ) -> Verdict {
+    pub fn set(&mut self, kind: Kind, array: &Array, values: &[f64]) -> Verdict {
         self.legal(Function::Set)?;
+        let references = &array.references;
         if kind != Kind::Real {
-            let refused = !references.is_empty() || arrays == Arrays::HugeCount;
+            let refused = !references.is_empty() || array.wrong == Arrays::HugeCount;
             return if refused { ERROR } else { DONE };
         }
-        self.arrays(arrays, references.len(), kind)?;
+        self.sound(array, kind)?;
         let table = self.table();
         for (reference, value) in references.iter().zip(values) {
             let row = Self::row(&table, *reference, VariableType::Real)?;
@@ -284,15 +279,10 @@ impl Expectation {
     }
 
     /// `fmi2SetRealInputDerivatives`.
-    pub fn input_derivatives(
-        &mut self,
-        references: &[u32],
-        orders: &[i32],
-        values: &[f64],
-        arrays: Arrays,
-    ) -> Verdict {
+    pub fn input_derivatives(&mut self, array: &Array, orders: &[i32], values: &[f64]) -> Verdict {
         self.legal(Function::InputDerivatives)?;
-        self.arrays(arrays, references.len(), Kind::Real)?;
+        self.sound(array, Kind::Real)?;
+        let references = &array.references;
         let table = self.table();
         for (reference, order) in references.iter().zip(orders) {
             let row = Self::row(&table, *reference, VariableType::Real)?;
@@ -317,17 +307,12 @@ impl Expectation {
     }
 
     /// `GetRealOutputDerivatives`, `fmi3GetOutputDerivatives`.
-    pub fn output_derivatives(
-        &mut self,
-        references: &[u32],
-        orders: &[i32],
-        arrays: Arrays,
-    ) -> Verdict {
+    pub fn output_derivatives(&mut self, array: &Array, orders: &[i32]) -> Verdict {
         self.legal(Function::OutputDerivatives)?;
-        self.arrays(arrays, references.len(), Kind::Real)?;
+        self.sound(array, Kind::Real)?;
         let table = self.table();
         let mut values = Vec::new();
-        for (reference, order) in references.iter().zip(orders) {
+        for (reference, order) in array.references.iter().zip(orders) {
             let row = Self::row(&table, *reference, VariableType::Real)?;
             if row.causality != Causality::Output || !(1..=2).contains(order) {
                 return ERROR;
@@ -341,25 +326,16 @@ impl Expectation {
     }
 
     /// `GetDirectionalDerivative`.
-    pub fn directional(
-        &mut self,
-        unknowns: &[u32],
-        knowns: &[u32],
-        seed: &[f64],
-        arrays: Arrays,
-    ) -> Verdict {
+    pub fn directional(&mut self, unknowns: &Array, knowns: &[u32], seed: &[f64]) -> Verdict {
         self.legal(Function::Directional)?;
-        // Wrong arrays are those of the unknowns and of what is returned for them.
-        self.arrays(arrays, unknowns.len(), Kind::Real)?;
+        self.sound(unknowns, Kind::Real)?;
+        let unknowns = &unknowns.references;
         let table = self.table();
         for known in knowns {
             let row = Self::row(&table, *known, VariableType::Real)?;
             let may_change = match self.state {
-                State::Initialization => {
-                    row.causality == Causality::Input
-                        || row.initial == Some(stickslip::cosim::Initial::Exact)
-                }
-                _ => row.causality == Causality::Input || row.variability == Variability::Tunable,
+                State::Initialization => settable_before(row),
+                _ => settable_between(row),
             };
             if !may_change || row.causality == Causality::Output {
                 return ERROR;
@@ -439,7 +415,7 @@ impl Expectation {
 
     /// The state as the native model and the standard describe it.
     pub fn save(&self) -> Saved {
-        let mut native = stickslip::cosim::StateWriter::default();
+        let mut native = StateWriter::default();
         self.native.save(&mut native);
         Saved {
             component: self.component,
@@ -461,7 +437,7 @@ impl Expectation {
         if !fits {
             return ERROR;
         }
-        let mut reader = stickslip::cosim::StateReader::new(&saved.native);
+        let mut reader = StateReader::new(&saved.native);
         if self.native.restore(&mut reader).is_err() {
             return ERROR;
         }
@@ -471,15 +447,18 @@ impl Expectation {
     }
 }
 
+fn settable_before(row: &Variable) -> bool {
+    row.causality == Causality::Input || row.initial == Some(Initial::Exact)
+}
+
+fn settable_between(row: &Variable) -> bool {
+    row.causality == Causality::Input || row.variability == Variability::Tunable
+}
+
 /// The bits of a value that may be handed out: what overflowed may not.
 fn finite(value: f64) -> Result<u64, Status> {
     value
         .is_finite()
         .then_some(value.to_bits())
         .ok_or(Status::Discard)
-}
-
-/// Whether the setters and getters of this type look at a number of values.
-fn has_values(kind: Kind) -> bool {
-    matches!(kind, Kind::Real | Kind::Boolean)
 }

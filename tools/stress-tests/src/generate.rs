@@ -3,7 +3,7 @@
 use stickslip::cosim::{Causality, Variable, VariableType};
 
 use crate::call::{
-    Action, Aim, Arrays, Call, Instantiation, Kind, STATE_PLACES, SetUp, StateAim, View,
+    Action, Aim, Array, Arrays, Call, Instantiation, Kind, STATE_PLACES, SetUp, StateAim, View,
 };
 use crate::random::Random;
 use crate::standard::{State, Version};
@@ -172,12 +172,9 @@ fn any(random: &mut Random, view: View<'_>) -> Action {
 }
 
 fn set_up(random: &mut Random) -> SetUp {
-    let hostile = random.once_in(16);
-    let start = if hostile {
-        random.pick(&HOSTILE)
-    } else {
+    let start = hostile_once_in(random, 16, |random| {
         random.pick(&[0.0, 0.0, 0.0, 100.0, -3.5])
-    };
+    });
     SetUp {
         tolerance: match random.index(8) {
             0 => Some(random.pick(&HOSTILE)),
@@ -252,15 +249,16 @@ fn kind(random: &mut Random) -> Kind {
     random.pick(&[Kind::Boolean, Kind::Integer, Kind::Text])
 }
 
-fn arrays(random: &mut Random) -> Arrays {
-    match random.index(150) {
+fn array(random: &mut Random, references: Vec<u32>) -> Array {
+    let wrong = match random.index(150) {
         0 => Arrays::NoReferences,
         1 => Arrays::NoValues,
         2 => Arrays::Misaligned,
         3 => Arrays::HugeCount,
         4 => Arrays::OtherCount,
         _ => Arrays::Sound,
-    }
+    };
+    Array { references, wrong }
 }
 
 fn get(random: &mut Random, view: View<'_>) -> Action {
@@ -274,8 +272,7 @@ fn get(random: &mut Random, view: View<'_>) -> Action {
     };
     Action::Get {
         kind,
-        references,
-        arrays: arrays(random),
+        array: array(random, references),
     }
 }
 
@@ -317,9 +314,8 @@ fn set(random: &mut Random, view: View<'_>) -> Action {
         } else {
             Kind::Real
         },
-        references,
+        array: array(random, references),
         values,
-        arrays: arrays(random),
     }
 }
 
@@ -339,16 +335,9 @@ fn input_derivatives(random: &mut Random, view: View<'_>) -> Action {
     Action::InputDerivatives {
         orders: orders(random, references.len(), 3),
         values: (references.iter())
-            .map(|_| {
-                if random.once_in(12) {
-                    random.pick(&HOSTILE)
-                } else {
-                    4.0 * random.uniform() - 2.0
-                }
-            })
+            .map(|_| hostile_once_in(random, 12, |random| 4.0 * random.uniform() - 2.0))
             .collect(),
-        references,
-        arrays: arrays(random),
+        array: array(random, references),
     }
 }
 
@@ -356,8 +345,7 @@ fn output_derivatives(random: &mut Random, view: View<'_>) -> Action {
     let references = chosen(random, view, |v| v.causality == Causality::Output);
     Action::OutputDerivatives {
         orders: orders(random, references.len(), 2),
-        references,
-        arrays: arrays(random),
+        array: array(random, references),
     }
 }
 
@@ -365,21 +353,24 @@ fn directional(random: &mut Random, view: View<'_>) -> Action {
     let knowns = chosen(random, view, |variable| {
         variable.settable_between_steps() && variable.causality != Causality::Output
     });
+    let unknowns = chosen(random, view, |variable| {
+        is_real(variable) && variable.causality == Causality::Output
+    });
     Action::Directional {
-        unknowns: chosen(random, view, |variable| {
-            is_real(variable) && variable.causality == Causality::Output
-        }),
         seed: (knowns.iter())
-            .map(|_| {
-                if random.once_in(10) {
-                    random.pick(&HOSTILE)
-                } else {
-                    1.0
-                }
-            })
+            .map(|_| hostile_once_in(random, 10, |_| 1.0))
             .collect(),
         knowns,
-        arrays: arrays(random),
+        unknowns: array(random, unknowns),
+    }
+}
+
+/// A hostile value once in `many` times, and otherwise a usual one.
+fn hostile_once_in(random: &mut Random, many: usize, usual: fn(&mut Random) -> f64) -> f64 {
+    if random.once_in(many) {
+        random.pick(&HOSTILE)
+    } else {
+        usual(random)
     }
 }
 

@@ -1,6 +1,5 @@
 //! Programs killed at random times: every file that they leave is whole, old or new, and what can be continued goes on.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -10,30 +9,34 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::component::REDUCED_RIG;
-use crate::program::find;
+use crate::program::{self, Files, files};
 use crate::random::Random;
-
-/// Files by their name below a directory.
-type Files = BTreeMap<PathBuf, Vec<u8>>;
-
-/// Makes the command that writes into the directory it is given.
-type MakesCommand = dyn Fn(&Path) -> Result<Command>;
 
 /// A program and what it works on.
 struct Job {
     name: &'static str,
-    /// Makes the command that writes into a directory.
-    command: Box<MakesCommand>,
-    /// A command that writes what this one has written halfway, if it replaces that later.
-    halfway: Option<Box<MakesCommand>>,
+    /// The line of its command; `{out}` stands for the directory into which it writes.
+    line: String,
+    /// The line of a command that writes what this one has written halfway, if it replaces that later.
+    halfway: Option<String>,
     /// Whether a run goes on where the one before was killed.
     resumes: bool,
     /// Share of all kills.
     share: f64,
 }
 
+/// Where the jobs work and what they read.
+struct Ground {
+    place: PathBuf,
+    case: PathBuf,
+    document: PathBuf,
+}
+
 /// Effects that the killed diagnosis chooses among: with all of them it would take minutes.
 const CANDIDATES: [&str; 2] = ["unbalance", "normal_force_wobble"];
+
+/// The document into which experiments are written.
+const DOCUMENT: &str = "reproduction.md";
 
 /// A calibration of a second or two.
 const TARGET: &str = "[search]
@@ -63,124 +66,91 @@ frequency_hz = { value = 0.73, bar = 0.05 }
 /// A file is neither the old nor the new one, or a run that goes on ends otherwise than one that was never killed.
 pub fn kills(kills: usize, seed: u64, source_tree: &Path, with_diagnose: bool) -> Result<String> {
     let place = tempfile::tempdir()?;
+    fs::write(place.path().join("reduced-rig.toml"), REDUCED_RIG)?;
+    fs::write(place.path().join("target.toml"), TARGET)?;
+    let ground = Ground {
+        place: place.path().to_owned(),
+        case: source_tree.join("crates/workbench/tests/data/unbalance"),
+        document: source_tree.join("docs").join(DOCUMENT),
+    };
     let mut random = Random::new(seed);
     let mut lines = Vec::new();
-    let mut jobs = jobs(place.path(), source_tree)?;
+    let mut jobs = jobs()?;
     jobs.retain(|job| with_diagnose || job.name != "diagnose");
     let shares: f64 = jobs.iter().map(|job| job.share).sum();
     for job in &jobs {
         let count = (job.share / shares * kills as f64).round() as usize;
-        lines.push(killed(job, place.path(), count.max(1), &mut random)?);
+        lines.push(killed(job, &ground, count.max(1), &mut random)?);
     }
     Ok(lines.join("; "))
 }
 
-fn jobs(place: &Path, source_tree: &Path) -> Result<Vec<Job>> {
-    let model = place.join("reduced-rig.toml");
-    fs::write(&model, REDUCED_RIG)?;
-    let case = source_tree.join("crates/workbench/tests/data/unbalance");
-    let document = source_tree.join("docs/reproduction.md");
-    let (stickslip, build_fmu) = (find("stickslip")?, find("build-fmu")?);
-    let command = move |program: &Path, arguments: &[&str]| {
-        let mut command = Command::new(program);
-        command.args(arguments);
-        command
-    };
-    let target = place.join("target.toml");
-    fs::write(&target, TARGET)?;
-    let without = all_effects(&stickslip)?
-        .into_iter()
+fn jobs() -> Result<Vec<Job>> {
+    let without: String = all_effects()?
+        .iter()
         .filter(|name| !CANDIDATES.contains(&name.as_str()))
-        .flat_map(|name| ["--without".to_owned(), name]);
-    let without: Vec<String> = without.collect();
-    let (map_model, map_program) = (model.clone(), stickslip.clone());
-    let (calibrate_model, calibrate_program) = (model.clone(), stickslip.clone());
-    let (name_case, name_without) = (case.clone(), without.clone());
-    let (experiment_program, diagnose_program) = (stickslip.clone(), stickslip.clone());
-    let name_program = stickslip;
+        .map(|name| format!(" --without {name}"))
+        .collect();
+    let job = |name, line: &str, resumes, share| Job {
+        name,
+        line: line.to_owned(),
+        halfway: None,
+        resumes,
+        share,
+    };
+    let map = "stickslip map --speed-rpm 20:80:40 --normal-force 0:70:40 --out {out} {model}";
+    let calibrate = "stickslip calibrate --model {model} --target {target} --out {out}";
+    let experiment =
+        "stickslip experiment run fig-3.5 --out {out} --document {out}/reproduction.md";
+    let diagnose = format!("stickslip diagnose {{case}} --out {{out}}{without}");
     Ok(vec![
+        job("build-fmu", "build-fmu {model} --out {out}", false, 0.3),
+        job("map", map, true, 0.25),
+        job("calibrate", calibrate, true, 0.1),
+        job("experiment", experiment, false, 0.2),
         Job {
-            name: "build-fmu",
-            command: Box::new(move |out| {
-                let mut made = command(&build_fmu, &[]);
-                made.arg(&model).arg("--out").arg(out);
-                Ok(made)
-            }),
-            halfway: None,
-            resumes: false,
-            share: 0.3,
-        },
-        Job {
-            name: "map",
-            command: Box::new(move |out| {
-                let spans = [
-                    "map",
-                    "--speed-rpm",
-                    "20:80:40",
-                    "--normal-force",
-                    "0:70:40",
-                ];
-                let mut made = command(&map_program, &spans);
-                made.arg("--out").arg(out).arg(&map_model);
-                Ok(made)
-            }),
-            halfway: None,
-            resumes: true,
-            share: 0.25,
-        },
-        Job {
-            name: "calibrate",
-            command: Box::new(move |out| {
-                let mut made = command(&calibrate_program, &["calibrate", "--model"]);
-                made.arg(&calibrate_model).arg("--target").arg(&target);
-                made.arg("--out").arg(out);
-                Ok(made)
-            }),
-            halfway: None,
-            resumes: true,
-            share: 0.1,
-        },
-        Job {
-            name: "experiment",
-            command: Box::new(move |out| {
-                fs::create_dir_all(out)?;
-                let copy = out.join("reproduction.md");
-                if !copy.exists() {
-                    fs::copy(&document, &copy)?;
-                }
-                let mut made = command(&experiment_program, &["experiment", "run", "fig-3.5"]);
-                made.arg("--out").arg(out).arg("--document").arg(&copy);
-                Ok(made)
-            }),
-            halfway: None,
-            resumes: false,
-            share: 0.2,
-        },
-        Job {
-            name: "diagnose",
-            command: Box::new(move |out| {
-                let mut made = command(&diagnose_program, &["diagnose"]);
-                made.arg(&case).arg("--out").arg(out).args(&without);
-                Ok(made)
-            }),
             // The finding is written when something is named, and again with before and after.
-            halfway: Some(Box::new(move |out| {
-                let mut made = command(&name_program, &["name"]);
-                made.arg(&name_case)
-                    .arg("--out")
-                    .arg(out)
-                    .args(&name_without);
-                Ok(made)
-            })),
-            resumes: false,
-            share: 0.15,
+            halfway: Some(diagnose.replace(" diagnose ", " name ")),
+            ..job("diagnose", &diagnose, false, 0.15)
         },
     ])
 }
 
+impl Ground {
+    /// The command of a line that writes into `out`.
+    fn command(&self, line: &str, out: &Path) -> Result<Command> {
+        if line.contains(DOCUMENT) && !out.join(DOCUMENT).exists() {
+            fs::create_dir_all(out)?;
+            fs::copy(&self.document, out.join(DOCUMENT))?;
+        }
+        let paths = [
+            ("out", out),
+            ("model", &self.place.join("reduced-rig.toml")),
+            ("target", &self.place.join("target.toml")),
+            ("case", &self.case),
+        ];
+        let mut command = program::command(line, &paths)?;
+        command
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        Ok(command)
+    }
+
+    /// Runs the command of a line to its end.
+    fn run(&self, line: &str, out: &Path) -> Result<()> {
+        let status = self.command(line, out)?.status()?;
+        ensure!(
+            matches!(status.code(), Some(0 | 1)),
+            "`{line}` fails: {status}"
+        );
+        Ok(())
+    }
+}
+
 /// Names of all effects, from the program that knows them.
-fn all_effects(stickslip: &Path) -> Result<Vec<String>> {
-    let output = Command::new(stickslip).arg("effects").output()?;
+fn all_effects() -> Result<Vec<String>> {
+    let output = program::command("stickslip effects", &[])?.output()?;
     let names = String::from_utf8(output.stdout)?
         .lines()
         .filter_map(|line| line.split_whitespace().next().map(str::to_owned))
@@ -194,22 +164,18 @@ fn all_effects(stickslip: &Path) -> Result<Vec<String>> {
     Ok(names)
 }
 
-fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<String> {
-    let whole = place.join(format!("{}-whole", job.name));
+fn killed(job: &Job, ground: &Ground, count: usize, random: &mut Random) -> Result<String> {
+    let place = |what: &str| ground.place.join(format!("{}-{what}", job.name));
+    let whole = place("whole");
     let begin = Instant::now();
-    let status = quiet((job.command)(&whole)?).status()?;
-    ensure!(
-        matches!(status.code(), Some(0 | 1)),
-        "{} fails by itself: {status}",
-        job.name
-    );
+    ground.run(&job.line, &whole)?;
     let duration = begin.elapsed();
-    let new = files(&whole)?;
+    let new = files(&whole, false)?;
     let mut between = Files::new();
-    if let Some(command) = &job.halfway {
-        let part = place.join(format!("{}-halfway", job.name));
-        quiet(command(&part)?).status()?;
-        between = files(&part)?;
+    if let Some(line) = &job.halfway {
+        let part = place("halfway");
+        ground.run(line, &part)?;
+        between = files(&part, false)?;
     }
     // The document of experiments is no result: rows are put into the one that is there.
     let old: Files = new
@@ -217,7 +183,7 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
         .filter(|name| !is_document(name))
         .map(|name| (name.clone(), b"an older result".to_vec()))
         .collect();
-    let out = place.join(format!("{}-killed", job.name));
+    let out = place("killed");
     let mut midway = 0;
     for kill in 0..count {
         if !job.resumes {
@@ -226,7 +192,7 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
                 put(&old, &out)?;
             }
         }
-        let mut child = quiet((job.command)(&out)?).spawn()?;
+        let mut child = ground.command(&job.line, &out)?.spawn()?;
         thread::sleep(Duration::from_secs_f64(
             1.05 * random.uniform() * duration.as_secs_f64(),
         ));
@@ -236,7 +202,7 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
         let _ = child.kill();
         child.wait()?;
         let mut complete = true;
-        for (name, found) in files(&out)? {
+        for (name, found) in files(&out, false)? {
             // A journal grows line by line; that its whole lines serve is seen when the run goes on.
             let journal = name
                 .extension()
@@ -257,19 +223,14 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
                 );
             }
         }
-        if job.resumes && complete && files(&out)?.len() == new.len() {
+        if job.resumes && complete && files(&out, false)?.len() == new.len() {
             fs::remove_dir_all(&out)?;
         }
     }
-    let status = quiet((job.command)(&out)?).status()?;
-    ensure!(
-        matches!(status.code(), Some(0 | 1)),
-        "{} fails after the kills: {status}",
-        job.name
-    );
+    ground.run(&job.line, &out)?;
     for (name, content) in &new {
         ensure!(
-            files(&out)?.get(name) == Some(content),
+            files(&out, false)?.get(name) == Some(content),
             "{}: {} after kills is not that of an undisturbed run",
             job.name,
             name.display()
@@ -283,15 +244,7 @@ fn killed(job: &Job, place: &Path, count: usize, random: &mut Random) -> Result<
 }
 
 fn is_document(name: &Path) -> bool {
-    name.ends_with("reproduction.md")
-}
-
-fn quiet(mut command: Command) -> Command {
-    command
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
-    command
+    name.ends_with(DOCUMENT)
 }
 
 fn put(files: &Files, directory: &Path) -> Result<()> {
@@ -301,31 +254,4 @@ fn put(files: &Files, directory: &Path) -> Result<()> {
         fs::write(path, content)?;
     }
     Ok(())
-}
-
-/// All files below a directory but hidden ones: those are what a killed writer leaves beside its target.
-fn files(directory: &Path) -> Result<Files> {
-    let mut found = Files::new();
-    let mut waiting = vec![directory.to_owned()];
-    while let Some(folder) = waiting.pop() {
-        let Ok(entries) = fs::read_dir(&folder) else {
-            continue;
-        };
-        for entry in entries {
-            let path = entry?.path();
-            if path
-                .file_name()
-                .is_some_and(|name| name.to_string_lossy().starts_with('.'))
-            {
-                continue;
-            }
-            if path.is_dir() {
-                waiting.push(path);
-            } else {
-                let content = crate::program::without_duration(&path, fs::read(&path)?);
-                found.insert(path.strip_prefix(directory)?.to_owned(), content);
-            }
-        }
-    }
-    Ok(found)
 }

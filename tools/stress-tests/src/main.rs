@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 use stress_tests::component::{Component, FULL_RIG, REDUCED_RIG};
 use stress_tests::library::{Library, beside_program};
 use stress_tests::standard::Version;
@@ -29,7 +29,7 @@ enum Command {
     Calls {
         /// Version whose functions are called; two of eight instances are of the other one.
         #[arg(long)]
-        fmi: Fmi,
+        fmi: Version,
         /// Least number of calls.
         #[arg(long, default_value_t = 200_000)]
         calls: u64,
@@ -77,14 +77,6 @@ enum Command {
     },
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Fmi {
-    #[value(name = "2")]
-    Two,
-    #[value(name = "3")]
-    Three,
-}
-
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(true) => ExitCode::SUCCESS,
@@ -106,11 +98,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
     match &arguments.command {
         Command::Calls { fmi, calls, seed } => {
             let components = [Component::new(REDUCED_RIG)?, Component::new(FULL_RIG)?];
-            let version = match fmi {
-                Fmi::Two => Version::Two,
-                Fmi::Three => Version::Three,
-            };
-            match campaign::run(&library, &components, version, *seed, *calls, |_| ()) {
+            match campaign::run(&library, &components, *fmi, *seed, *calls, |_| ()) {
                 Ok(tally) => println!(
                     "{} calls in {} sequences, {} of them rightly refused: as the standard and the native model say; \
                      longest call {:.1} s, all {:.0} s",

@@ -1,5 +1,6 @@
 //! A program of the project, run as a user runs it, with what it cost.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -14,10 +15,14 @@ use anyhow::{Context, Result, bail};
 /// # Errors
 /// It is in neither place.
 pub fn find(name: &str) -> Result<PathBuf> {
+    beside(&format!("{name}{}", std::env::consts::EXE_SUFFIX))
+}
+
+/// A file beside the running program, or one folder up for a test.
+pub(crate) fn beside(file: &str) -> Result<PathBuf> {
     let program = std::env::current_exe().context("cannot tell where this program is")?;
-    let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
     for folder in program.ancestors().skip(1).take(2) {
-        let path = folder.join(&file);
+        let path = folder.join(file);
         if path.is_file() {
             return Ok(path);
         }
@@ -28,10 +33,56 @@ pub fn find(name: &str) -> Result<PathBuf> {
     )
 }
 
+/// The command of a line of a program's name and its arguments, in which `{name}` stands for a path.
+///
+/// # Errors
+/// There is no such program.
+pub fn command(line: &str, paths: &[(&str, &Path)]) -> Result<Command> {
+    let mut words = line.split(' ');
+    let mut command = Command::new(find(words.next().unwrap_or_default())?);
+    command.args(words.map(|word| {
+        paths.iter().fold(word.to_owned(), |word, (name, path)| {
+            word.replace(&format!("{{{name}}}"), &path.to_string_lossy())
+        })
+    }));
+    Ok(command)
+}
+
+/// Files by their names below a directory, without how long a diagnosis took.
+pub type Files = BTreeMap<PathBuf, Vec<u8>>;
+
+/// All files below a directory, or none where there is no such directory; `hidden` ones, which a killed writer leaves beside
+/// its target, if asked for.
+///
+/// # Errors
+/// A file cannot be read.
+pub fn files(directory: &Path, hidden: bool) -> Result<Files> {
+    let mut found = Files::new();
+    let mut waiting = vec![directory.to_owned()];
+    while let Some(folder) = waiting.pop() {
+        let Ok(entries) = fs::read_dir(&folder) else {
+            continue;
+        };
+        for entry in entries {
+            let entry = entry?;
+            let path = entry.path();
+            if !hidden && entry.file_name().to_string_lossy().starts_with('.') {
+                continue;
+            }
+            if path.is_dir() {
+                waiting.push(path);
+            } else {
+                let content = without_duration(&path, fs::read(&path)?);
+                found.insert(path.strip_prefix(directory)?.to_owned(), content);
+            }
+        }
+    }
+    Ok(found)
+}
+
 /// The content of a file of results, but for how long a diagnosis took: `seconds` of a `finding.json`, the last sentence of
 /// a `report.html`.
-#[must_use]
-pub fn without_duration(path: &Path, content: Vec<u8>) -> Vec<u8> {
+fn without_duration(path: &Path, content: Vec<u8>) -> Vec<u8> {
     let name = path.file_name().unwrap_or_default();
     if name == "finding.json" {
         let text = String::from_utf8_lossy(&content);

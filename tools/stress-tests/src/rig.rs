@@ -4,10 +4,9 @@ use std::ffi::c_int;
 use std::ptr;
 
 use anyhow::{Result, ensure};
-use stickslip::ffi::fmi2::CallbackFunctions;
 
 use crate::component::Component;
-use crate::library::{Handle, Library};
+use crate::library::{Birth, Handle, Library};
 use crate::standard::Version;
 
 /// A live instance; freed when dropped.
@@ -31,42 +30,20 @@ impl<'a> Rig<'a> {
         version: Version,
         values: &[(u32, f64)],
     ) -> Result<Self> {
-        let name = c"rig".as_ptr();
-        let token = component.token.as_ptr();
-        // SAFETY: all pointers are valid for the call.
-        let handle = unsafe {
-            match version {
-                Version::Two => {
-                    let functions = CallbackFunctions {
-                        logger: None,
-                        allocate_memory: None,
-                        free_memory: None,
-                        step_finished: None,
-                        component_environment: ptr::null_mut(),
-                    };
-                    let uri = component.uri()?;
-                    (library.fmi2.instantiate)(name, 1, token, uri.as_ptr(), &functions, 0, 0)
-                }
-                Version::Three => {
-                    let path = component.native_path()?;
-                    let (environment, none) = (ptr::null_mut(), ptr::null());
-                    (library.fmi3.instantiate)(
-                        name,
-                        token,
-                        path.as_ptr(),
-                        0,
-                        0,
-                        0,
-                        0,
-                        ptr::null(),
-                        0,
-                        environment,
-                        None,
-                        none,
-                    )
-                }
-            }
+        let resources = component.resources(version)?;
+        let birth = Birth {
+            name: c"rig".as_ptr(),
+            token: component.token.as_ptr(),
+            resources: resources.as_ptr(),
+            event_mode: false,
+            early_return: false,
+            logging: false,
+            logger: false,
+            environment: ptr::null_mut(),
+            wrong_interface: false,
         };
+        // SAFETY: all texts are valid for the call, and there is no logger.
+        let handle = unsafe { library.instantiate(version, &birth) };
         ensure!(!handle.is_null(), "no instance");
         let rig = Self {
             library,
@@ -86,10 +63,7 @@ impl<'a> Rig<'a> {
             for (reference, value) in values {
                 rig.set(*reference, *value)?;
             }
-            match version {
-                Version::Two => ok((two.exit_initialization)(handle))?,
-                Version::Three => ok((three.exit_initialization)(handle))?,
-            }
+            ok((library.of(version).exit_initialization)(handle))?;
         }
         Ok(rig)
     }
@@ -156,32 +130,20 @@ impl<'a> Rig<'a> {
     /// # Errors
     /// A call does not return OK.
     pub fn save(&self, free: bool) -> Result<()> {
-        let mut state = ptr::null_mut();
-        // SAFETY: the place of a handle.
-        unsafe {
-            let (two, three) = (&self.library.fmi2, &self.library.fmi3);
-            match self.version {
-                Version::Two => ok((two.get_state)(self.handle, &mut state))?,
-                Version::Three => ok((three.get_state)(self.handle, &mut state))?,
-            }
-            match self.version {
-                _ if !free => Ok(()),
-                Version::Two => ok((two.free_state)(self.handle, &mut state)),
-                Version::Three => ok((three.free_state)(self.handle, &mut state)),
-            }
+        let functions = self.library.of(self.version);
+        let (status, state) = functions.save(self.handle, ptr::null_mut(), false);
+        ok(status)?;
+        if free {
+            ok(functions.forget(self.handle, state, false).0)?;
         }
+        Ok(())
     }
 }
 
 impl Drop for Rig<'_> {
     fn drop(&mut self) {
         // SAFETY: a live handle.
-        unsafe {
-            match self.version {
-                Version::Two => (self.library.fmi2.free)(self.handle),
-                Version::Three => (self.library.fmi3.free)(self.handle),
-            }
-        }
+        unsafe { (self.library.of(self.version).free)(self.handle) }
     }
 }
 

@@ -4,15 +4,29 @@
 //! FMI 2.0.5, section 4.2.4 (table of allowed function calls); FMI 3.0.2, sections 2.3 and 4.2.
 //! One reading is deliberate: FMI 2 importers that skip `fmi2SetupExperiment` get the default start time.
 
+use clap::ValueEnum;
 use stickslip::ffi::Status;
 
 /// Either version of the standard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Version {
     /// FMI 2.0.5.
+    #[value(name = "2")]
     Two,
     /// FMI 3.0.2.
+    #[value(name = "3")]
     Three,
+}
+
+impl Version {
+    /// The one that it is not.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Two => Self::Three,
+            Self::Three => Self::Two,
+        }
+    }
 }
 
 /// States of an instance; a step is never in progress when another call arrives.

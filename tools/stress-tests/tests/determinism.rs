@@ -1,14 +1,13 @@
 //! The same inputs give the same bytes, wherever, whenever and beside whatever else.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use stress_tests::component::{Component, FULL_RIG, REDUCED_RIG};
 use stress_tests::library::{Library, beside_program};
-use stress_tests::program::{find, without_duration};
+use stress_tests::program::{command, files};
 use stress_tests::random::Random;
 use stress_tests::rig::Rig;
 use stress_tests::standard::Version;
@@ -46,48 +45,25 @@ const SURROUNDINGS: [(&[(&str, &str)], &str); 5] = [
     ),
 ];
 
-fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(files(&path));
-        } else {
-            let content = without_duration(&path, fs::read(&path).unwrap());
-            found.insert(path.clone(), content);
-        }
-    }
-    found
-        .into_iter()
-        .map(|(path, bytes)| (path.strip_prefix(folder).unwrap().to_owned(), bytes))
-        .collect()
-}
-
-fn same_everywhere(program: &str, arguments: &[&str], code: i32) {
+fn same_everywhere(line: &str) {
+    let place = tempfile::tempdir().unwrap();
+    let model = place.path().join("rig.toml");
+    fs::write(&model, REDUCED_RIG).unwrap();
     let mut first = None;
     for (number, (variables, directory)) in SURROUNDINGS.into_iter().enumerate() {
-        let place = tempfile::tempdir().unwrap();
-        let mut command = Command::new(find(program).unwrap());
+        let out = place.path().join(number.to_string());
+        let mut command = command(line, &[("model", &model), ("out", &out)]).unwrap();
         command
-            .args(arguments)
-            .arg("--out")
-            .arg(place.path().join("out"))
             .env("SOURCE_DATE_EPOCH", "1")
             .envs(variables.iter().copied());
-        let output = command.current_dir(directory).output().unwrap();
-        assert_eq!(
-            output.status.code(),
-            Some(code),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
-        let found = files(&place.path().join("out"));
+        succeeds(command.current_dir(directory));
+        let found = files(&out, true).unwrap();
         assert!(!found.is_empty());
         let expected = first.get_or_insert_with(|| found.clone());
         for (name, bytes) in &found {
             assert!(
                 expected.get(name) == Some(bytes),
-                "{program} {arguments:?}: {} in surroundings {number}",
+                "{line}: {} in surroundings {number}",
                 name.display()
             );
         }
@@ -95,42 +71,17 @@ fn same_everywhere(program: &str, arguments: &[&str], code: i32) {
     }
 }
 
-fn model() -> (tempfile::TempDir, String) {
-    let place = tempfile::tempdir().unwrap();
-    let path = place.path().join("rig.toml");
-    fs::write(&path, REDUCED_RIG).unwrap();
-    let text = path.to_str().unwrap().to_owned();
-    (place, text)
+fn succeeds(command: &mut Command) {
+    let output = command.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
 }
 
 #[test]
 fn fmus_runs_and_maps_do_not_depend_on_locale_time_zone_threads_or_directory() {
-    let (_place, model) = model();
-    same_everywhere("build-fmu", &[&model], 0);
-    same_everywhere(
-        "stickslip",
-        &[
-            "simulate",
-            &model,
-            "--speed-rpm",
-            "55",
-            "--normal-force",
-            "50",
-        ],
-        0,
-    );
-    same_everywhere(
-        "stickslip",
-        &[
-            "map",
-            "--speed-rpm",
-            "20:60:5",
-            "--normal-force",
-            "0:70:5",
-            &model,
-        ],
-        0,
-    );
+    same_everywhere("build-fmu {model} --out {out}");
+    same_everywhere("stickslip simulate {model} --speed-rpm 55 --normal-force 50 --out {out}");
+    same_everywhere("stickslip map --speed-rpm 20:60:5 --normal-force 0:70:5 {model} --out {out}");
 }
 
 #[test]
@@ -153,15 +104,9 @@ fn records_may_lie_in_the_directory_in_any_order() {
         for name in &names {
             fs::copy(name, copy.join(name.file_name().unwrap())).unwrap();
         }
-        let mut command = Command::new(find("stickslip").unwrap());
-        let output = command
-            .args(["locate", "case", "--out", "out"])
-            .current_dir(place.path())
-            .output()
-            .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(0), "{said}");
-        outcomes.push(files(&place.path().join("out")));
+        let mut command = command("stickslip locate case --out out", &[]).unwrap();
+        succeeds(command.current_dir(place.path()));
+        outcomes.push(files(&place.path().join("out"), true).unwrap());
     }
     assert!(!outcomes[0].is_empty() && outcomes[0] == outcomes[1]);
 }

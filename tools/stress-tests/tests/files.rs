@@ -1,7 +1,6 @@
 //! Files under adverse conditions: killed writers, full disks, odd names, links.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
 
-use std::collections::BTreeMap;
 use std::fs::{self, Permissions};
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::{Path, PathBuf};
@@ -10,7 +9,7 @@ use std::process::{Command, Output};
 use stress_tests::component::REDUCED_RIG;
 use stress_tests::kills::kills;
 use stress_tests::library;
-use stress_tests::program::{find, without_duration};
+use stress_tests::program::{Files, command, files, find};
 
 fn source_tree() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -28,8 +27,9 @@ fn model(folder: &Path) -> PathBuf {
 }
 
 fn build(model: &Path, out: &Path) -> Output {
-    let mut command = Command::new(find("build-fmu").unwrap());
-    command.arg(model).arg("--out").arg(out).output().unwrap()
+    let paths = [("model", model), ("out", out)];
+    let mut command = command("build-fmu {model} --out {out}", &paths).unwrap();
+    command.output().unwrap()
 }
 
 fn said(output: &Output) -> String {
@@ -45,86 +45,68 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// A command that writes, by its name; `{out}` stands for where.
-fn writers(place: &Path) -> Vec<Vec<String>> {
-    let model = model(place).display().to_string();
-    let controller = source_tree().join("modelDescription/soft-torque.toml");
-    let case = source_tree().join("crates/workbench/tests/data/unbalance");
-    let (controller, case) = (controller.display(), case.display());
-    let at = "--speed-rpm 55 --normal-force 50 --duration 2";
-    [
-        format!("build-fmu {model} --out {{out}}"),
-        format!("build-fmu ssp {model} {controller} --out {{out}}"),
-        format!("stickslip build {model} --out {{out}}"),
-        format!("stickslip simulate {model} {at} --out {{out}}"),
-        format!("stickslip map --speed-rpm 20:60:6 --normal-force 0:70:6 --out {{out}} {model}"),
-        format!("stickslip closed-loop {model} --controller {controller} {at} --out {{out}}"),
-        format!("stickslip cross-check {model} {at} --out {{out}}"),
-        "stickslip experiment run fig-3.5 --document {out}/reproduction.md --out {out}".to_owned(),
-        format!("stickslip locate {case} --out {{out}}"),
-    ]
-    .iter()
-    .map(|line| line.split(' ').map(str::to_owned).collect())
-    .collect()
-}
+const AT: &str = "--speed-rpm 55 --normal-force 50";
+
+/// Lines of commands that write.
+const WRITERS: [&str; 9] = [
+    "build-fmu {model} --out {out}",
+    "build-fmu ssp {model} {controller} --out {out}",
+    "stickslip build {model} --out {out}",
+    "stickslip simulate {model} {at} --duration 2 --out {out}",
+    "stickslip map --speed-rpm 20:60:6 --normal-force 0:70:6 --out {out} {model}",
+    "stickslip closed-loop {model} --controller {controller} {at} --duration 2 --out {out}",
+    "stickslip cross-check {model} {at} --duration 2 --out {out}",
+    "stickslip experiment run fig-3.5 --document {out}/reproduction.md --out {out}",
+    "stickslip locate {case} --out {out}",
+];
 
 /// Runs a writer into `out`, with no file larger than so many KiB if there is a limit.
-fn run_writer(writer: &[String], out: &Path, limit: Option<u32>) -> Output {
-    let (name, arguments) = writer.split_first().unwrap();
-    let arguments = arguments
-        .iter()
-        .map(|argument| argument.replace("{out}", out.to_str().unwrap()));
+fn run_writer(writer: &str, model: &Path, out: &Path, limit: Option<u32>) -> Output {
+    let controller = source_tree().join("modelDescription/soft-torque.toml");
+    let case = source_tree().join("crates/workbench/tests/data/unbalance");
+    let paths = [
+        ("model", model),
+        ("controller", &controller),
+        ("case", &case),
+        ("out", out),
+    ];
+    let writer = command(&writer.replace("{at}", AT), &paths).unwrap();
     // The limit of a file's size acts as a disk that is full from there on; the signal is ignored so that the program is
     // told and not killed.
     let limit = limit.map_or(String::new(), |limit| format!("ulimit -f {limit}; "));
-    let mut command = Command::new("bash");
-    command
-        .args(["-c", &format!("trap '' XFSZ; {limit}exec \"$@\""), "bash"])
-        .arg(find(name).unwrap())
-        .args(arguments);
-    command.output().unwrap()
+    let mut bash = Command::new("bash");
+    bash.args(["-c", &format!("trap '' XFSZ; {limit}exec \"$@\""), "bash"])
+        .arg(writer.get_program())
+        .args(writer.get_args());
+    bash.output().unwrap()
 }
 
 /// Every file below a folder, hidden ones too.
-fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for name in names(folder) {
-        let path = folder.join(name);
-        if path.is_dir() {
-            found.extend(contents(&path));
-        } else {
-            let content = without_duration(&path, fs::read(&path).unwrap());
-            found.insert(path, content);
-        }
-    }
-    found
+fn contents(folder: &Path) -> Files {
+    files(folder, true).unwrap()
 }
 
 #[test]
 fn a_full_disk_leaves_the_old_files_and_no_rest() {
     let place = tempfile::tempdir().unwrap();
-    for (number, writer) in writers(place.path()).iter().enumerate() {
+    let model = model(place.path());
+    for (number, writer) in WRITERS.into_iter().enumerate() {
         let out = place.path().join(number.to_string());
-        let whole = run_writer(writer, &out, None);
+        let whole = run_writer(writer, &model, &out, None);
         assert!(
             matches!(whole.status.code(), Some(0 | 1)),
-            "{writer:?}: {}",
+            "{writer}: {}",
             said(&whole)
         );
         let before = contents(&out);
-        assert!(!before.is_empty(), "{writer:?} writes nothing");
-        let output = run_writer(writer, &out, Some(1));
-        assert_eq!(
-            output.status.code(),
-            Some(2),
-            "{writer:?}: {}",
-            said(&output)
-        );
+        assert!(!before.is_empty(), "{writer} writes nothing");
+        let output = run_writer(writer, &model, &out, Some(1));
+        assert_eq!(output.status.code(), Some(2), "{writer}: {}", said(&output));
         assert!(said(&output).contains("too large"), "{}", said(&output));
         let mut after = contents(&out);
         // A journal of what was finished is kept, so that the next run goes on from there.
         after.retain(|path, _| path.extension().is_none_or(|end| end != "journal"));
-        assert!(after == before, "{writer:?}: {:?}", after.keys());
+        assert!(after == before, "{writer}: {:?}", after.keys());
     }
 }
 
@@ -306,24 +288,17 @@ fn odd_names_work_like_any_other() {
         let fmu = folder.join("out/ReducedRig.fmi2.fmu");
         longest = longest.max(fmu.as_os_str().len());
         assert_eq!(fs::read(&fmu).unwrap(), expected, "{}", folder.display());
-        let mut simulate = Command::new(find("stickslip").unwrap());
-        simulate.arg("simulate").arg(&fmu).args([
-            "--speed-rpm",
-            "55",
-            "--normal-force",
-            "50",
-            "--duration",
-            "1",
-            "--out",
-        ]);
-        let output = simulate.arg(folder.join("run")).output().unwrap();
+        let run = folder.join("run");
+        let line = format!("stickslip simulate {{fmu}} {AT} --duration 1 --out {{out}}");
+        let mut simulate = command(&line, &[("fmu", &fmu), ("out", &run)]).unwrap();
+        let output = simulate.output().unwrap();
         assert!(
             output.status.success(),
             "{}: {}",
             folder.display(),
             said(&output)
         );
-        assert!(folder.join("run/result.csv").is_file());
+        assert!(run.join("result.csv").is_file());
     }
     assert_eq!(longest, 4000);
     let too_long = place.path().join("x".repeat(4000));

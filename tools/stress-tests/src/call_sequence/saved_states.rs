@@ -6,8 +6,12 @@ use stickslip::ffi::Status;
 
 use super::{Answer, CallSequence, Instance, LiveState};
 use crate::call::{Action, StateAim};
-use crate::library::Handle;
-use crate::saved_states::Functions;
+use crate::expectation::Verdict;
+use crate::library::{Both, Handle};
+
+fn done_if(done: bool, otherwise: Status) -> Verdict {
+    if done { Ok(Vec::new()) } else { Err(otherwise) }
+}
 
 impl CallSequence<'_> {
     fn state_handle(&self, aim: StateAim) -> Handle {
@@ -28,7 +32,7 @@ impl CallSequence<'_> {
         instance: &mut Instance,
         action: &Action,
     ) -> Option<Result<(), String>> {
-        let states = Functions::of(self.library, instance.expected.version);
+        let states = self.library.of(instance.expected.version);
         let own = instance.handle;
         Some(match *action {
             Action::SaveState { into, fresh, null } => {
@@ -38,11 +42,7 @@ impl CallSequence<'_> {
                     self.state_handle(into)
                 };
                 let known = before.is_null() || self.live.contains_key(&before.addr());
-                let verdict = if known && !null {
-                    Ok(Vec::new())
-                } else {
-                    Err(Status::Error)
-                };
+                let verdict = done_if(known && !null, Status::Error);
                 let (status, after) = states.save(own, before, null);
                 if verdict.is_ok() {
                     let owner = self
@@ -68,12 +68,8 @@ impl CallSequence<'_> {
                 let handle = self.state_handle(aim);
                 let ignored = null || handle.is_null();
                 let live = !ignored && self.live.remove(&handle.addr()).is_some();
-                let verdict = if live || ignored {
-                    Ok(Vec::new())
-                } else {
-                    Err(Status::Warning)
-                };
-                let (status, after) = states.free(own, handle, null);
+                let verdict = done_if(live || ignored, Status::Warning);
+                let (status, after) = states.forget(own, handle, null);
                 if live {
                     self.freed_state = handle;
                     if let StateAim::Place(place) = aim {
@@ -88,11 +84,7 @@ impl CallSequence<'_> {
             Action::StateSize { aim, null } => {
                 let handle = self.state_handle(aim);
                 let live = self.live.contains_key(&handle.addr());
-                let verdict = if live && !null {
-                    Ok(Vec::new())
-                } else {
-                    Err(Status::Error)
-                };
+                let verdict = done_if(live && !null, Status::Error);
                 let (status, _) = states.size(own, handle, null);
                 self.compare(instance, verdict, 0, &Answer::status(status))
             }
@@ -111,13 +103,8 @@ impl CallSequence<'_> {
                     .as_ref()
                     .map_or(64, |saved| saved.native.len() + 72 + 8);
                 let fits = saved.is_some() && !short && !null;
-                let verdict = if fits {
-                    Ok(Vec::new())
-                } else {
-                    Err(Status::Error)
-                };
-                let (status, bytes) =
-                    states.serialize(own, handle, size - usize::from(short), null);
+                let verdict = done_if(fits, Status::Error);
+                let (status, bytes) = states.bytes(own, handle, size - usize::from(short), null);
                 if let (true, Some(saved)) = (fits, saved) {
                     self.bytes[into] = Some((bytes, saved));
                 }
@@ -142,12 +129,8 @@ impl CallSequence<'_> {
                 let fits = flipped.is_none() && cut == 0 && !null;
                 let saved =
                     saved.filter(|saved| fits && saved.component == instance.expected.component);
-                let verdict = if saved.is_some() {
-                    Ok(Vec::new())
-                } else {
-                    Err(Status::Error)
-                };
-                let (status, handle) = states.deserialize(own, &bytes, null);
+                let verdict = done_if(saved.is_some(), Status::Error);
+                let (status, handle) = states.state_of(own, &bytes, null);
                 if let Some(saved) = saved {
                     self.live.insert(
                         handle.addr(),
@@ -160,26 +143,23 @@ impl CallSequence<'_> {
                 }
                 self.compare(instance, verdict, 0, &Answer::status(status))
             }
-            Action::Compare => self.compare_states(instance, &states),
+            Action::Compare => self.compare_states(instance, states),
             _ => return None,
         })
     }
 
     /// Saves, serialises and frees a state, and compares it bit by bit with the native model's.
-    fn compare_states(
-        &mut self,
-        instance: &mut Instance,
-        states: &Functions,
-    ) -> Result<(), String> {
+    fn compare_states(&mut self, instance: &mut Instance, states: &Both) -> Result<(), String> {
         let own = instance.handle;
+        let mut done = |status| self.compare(instance, Ok(Vec::new()), 0, &Answer::status(status));
         let (status, handle) = states.save(own, ptr::null_mut(), false);
-        self.compare(instance, Ok(Vec::new()), 0, &Answer::status(status))?;
+        done(status)?;
         let (status, size) = states.size(own, handle, false);
-        self.compare(instance, Ok(Vec::new()), 0, &Answer::status(status))?;
-        let (status, bytes) = states.serialize(own, handle, size, false);
-        self.compare(instance, Ok(Vec::new()), 0, &Answer::status(status))?;
-        let (status, _) = states.free(own, handle, false);
-        self.compare(instance, Ok(Vec::new()), 0, &Answer::status(status))?;
+        done(status)?;
+        let (status, bytes) = states.bytes(own, handle, size, false);
+        done(status)?;
+        let (status, _) = states.forget(own, handle, false);
+        done(status)?;
         let expected = instance.expected.save();
         let native = bytes.get(72..bytes.len().saturating_sub(8));
         let time = bytes.get(47..55);

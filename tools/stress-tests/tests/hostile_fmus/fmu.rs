@@ -3,16 +3,15 @@
 use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use stress_tests::program;
+use stress_tests::program::{self, Ended};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 /// Processor time that a refusal may take [s].
-pub const SECONDS: f64 = 2.0;
+const SECONDS: f64 = 2.0;
 /// Memory that a refusal may take [MiB].
-pub const MEBIBYTES: f64 = 200.0;
+const MEBIBYTES: f64 = 200.0;
 
 pub const BINARY: &str = "binaries/x86_64-linux/ReducedRig.so";
 
@@ -57,53 +56,59 @@ impl Fmu {
     }
 }
 
+/// An FMU of nothing but a description.
+pub fn described(folder: &Path, name: &str, description: &str) -> PathBuf {
+    Fmu::new(folder, name)
+        .file("modelDescription.xml", description)
+        .finish()
+}
+
 /// Gives the FMU to every command that opens one, and looks at what they say and take; to `info`, which runs nothing in it,
 /// only where that is to refuse it too.
 pub fn refused(fmu: &Path, by_info: bool, reasons: &[&str]) {
     let out = fmu.with_extension("out");
-    let stickslip = program::find("stickslip").unwrap();
-    let mut simulate = Command::new(&stickslip);
-    simulate
-        .arg("simulate")
-        .arg(fmu)
-        .args(["--speed-rpm", "55", "--normal-force", "50", "--out"])
-        .arg(&out);
-    let mut closed_loop = Command::new(&stickslip);
-    closed_loop
-        .arg("closed-loop")
-        .arg(fmu)
-        .arg("--controller")
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../modelDescription/soft-torque.toml"))
-        .args(["--speed-rpm", "55", "--normal-force", "50", "--out"])
-        .arg(&out);
-    let mut check = Command::new(program::find("build-fmu").unwrap());
-    check.arg("check").arg(fmu);
-    let mut info = Command::new(&stickslip);
-    info.arg("info").arg(fmu);
-    let mut commands = vec![("simulate", simulate, 2), ("closed-loop", closed_loop, 2)];
+    let controller =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../modelDescription/soft-torque.toml");
+    let at = "--speed-rpm 55 --normal-force 50 --out {out}";
+    let paths = [
+        ("fmu", fmu),
+        ("out", out.as_path()),
+        ("controller", controller.as_path()),
+    ];
+    let mut lines = vec![
+        format!("stickslip simulate {{fmu}} {at}"),
+        format!("stickslip closed-loop {{fmu}} --controller {{controller}} {at}"),
+    ];
     if by_info {
-        commands.push(("info", info, 2));
+        lines.push("stickslip info {fmu}".to_owned());
     }
-    commands.push(("check", check, 1));
-    for (name, mut command, code) in commands {
-        let ended = program::run(&mut command).unwrap();
-        let found = ended.status.code();
-        assert!(
-            found == Some(code) || name == "check" && found == Some(2),
-            "{name} {}: {:?}\n{}",
-            fmu.display(),
-            ended.status,
-            ended.said
-        );
-        let reason = name == "check" || reasons.iter().any(|reason| ended.said.contains(reason));
-        assert!(reason, "{name} {}: {}", fmu.display(), ended.said);
-        assert!(
-            ended.seconds < SECONDS && ended.mebibytes < MEBIBYTES,
-            "{name} {}: {} s, {} MiB",
-            fmu.display(),
-            ended.seconds,
-            ended.mebibytes
-        );
+    for line in lines {
+        let ended = cheap(&line, &paths);
+        assert_eq!(ended.status.code(), Some(2), "{line}\n{}", ended.said);
+        let reason = reasons.iter().any(|reason| ended.said.contains(reason));
+        assert!(reason, "{line} {}: {}", fmu.display(), ended.said);
     }
+    let ended = cheap(CHECK, &paths);
+    assert!(
+        matches!(ended.status.code(), Some(1 | 2)),
+        "check {}: {:?}\n{}",
+        fmu.display(),
+        ended.status,
+        ended.said
+    );
     assert!(!out.exists(), "something was written for {}", fmu.display());
+}
+
+pub const CHECK: &str = "build-fmu check {fmu}";
+
+/// Runs a command that must end in no time and with little memory.
+pub fn cheap(line: &str, paths: &[(&str, &Path)]) -> Ended {
+    let ended = program::run(&mut program::command(line, paths).unwrap()).unwrap();
+    assert!(
+        ended.seconds < SECONDS && ended.mebibytes < MEBIBYTES,
+        "{line} {paths:?}: {} s, {} MiB",
+        ended.seconds,
+        ended.mebibytes
+    );
+    ended
 }

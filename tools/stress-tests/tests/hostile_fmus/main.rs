@@ -9,7 +9,7 @@ use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 
-use fmu::{BINARY, Fmu, deflated, description, refused};
+use fmu::{BINARY, Fmu, deflated, described, description, refused};
 use stress_tests::component::{Component, REDUCED_RIG};
 use stress_tests::library;
 use zip::write::SimpleFileOptions;
@@ -44,9 +44,7 @@ fn archives_that_reach_outside_or_pretend() {
     refused(&folder.join("empty.fmu"), true, &["not a sound zip"]);
     fs::write(folder.join("text.fmu"), "not an archive at all".repeat(100)).unwrap();
     refused(&folder.join("text.fmu"), true, &["not a sound zip"]);
-    let whole = Fmu::new(folder, "cut")
-        .file("modelDescription.xml", &sound)
-        .finish();
+    let whole = described(folder, "cut", &sound);
     let bytes = fs::read(&whole).unwrap();
     fs::write(&whole, &bytes[..bytes.len() / 2]).unwrap();
     refused(&whole, true, &["not a sound zip"]);
@@ -92,63 +90,40 @@ fn bombs() {
 #[test]
 fn descriptions_that_explode() {
     let place = tempfile::tempdir().unwrap();
-    let fmu = |name: &str, text: String| {
-        Fmu::new(place.path(), name)
-            .file("modelDescription.xml", text)
-            .finish()
-    };
     let mut entities = String::from("<?xml version=\"1.0\"?><!DOCTYPE a [<!ENTITY l0 \"lol\">");
     for level in 1..12 {
         let inner = format!("&l{};", level - 1).repeat(10);
         write!(entities, "<!ENTITY l{level} \"{inner}\">").unwrap();
     }
-    let lol = fmu(
-        "entities",
-        format!("{entities}]>{}", description("&l11;", "")),
+    let entities = format!("{entities}]>{}", description("&l11;", ""));
+    let outside = format!(
+        "<?xml version=\"1.0\"?><!DOCTYPE a [<!ENTITY x SYSTEM \"file:///etc/passwd\">]>{}",
+        description("&x;", "")
     );
-    refused(&lol, true, &["not sound XML"]);
-    let outside = "<?xml version=\"1.0\"?><!DOCTYPE a [<!ENTITY x SYSTEM \"file:///etc/passwd\">]>";
-    refused(
-        &fmu("outside", format!("{outside}{}", description("&x;", ""))),
-        true,
-        &["not sound XML"],
-    );
-    let mut variables = String::new();
-    for number in 0..1_000_000 {
-        write!(
-            variables,
-            "<Float64 name=\"v{number}\" valueReference=\"{}\"/>",
-            number + 3
-        )
-        .unwrap();
-    }
-    refused(
-        &fmu("variables", description("{0}", &variables)),
-        true,
-        &["more than"],
-    );
+    let variable = |n: usize| format!("<Float64 name=\"v{n}\" valueReference=\"{}\"/>", n + 3);
+    let variables: String = (0..1_000_000).map(variable).collect();
     let deep = format!("{}{}", "<a>".repeat(400_000), "</a>".repeat(400_000));
-    refused(
-        &fmu("deep", description("{0}", &deep)),
-        true,
-        &["not sound XML", "deep"],
-    );
-    let mut wide = String::from("<Float64 name=\"w\" valueReference=\"9\"");
-    for number in 0..200_000 {
-        write!(wide, " a{number}=\"\"").unwrap();
+    let attributes: String = (0..200_000).map(|n| format!(" a{n}=\"\"")).collect();
+    let wide = format!("<Float64 name=\"w\" valueReference=\"9\"{attributes}/>");
+    let unsound = &["not sound XML"][..];
+    for (name, text, reasons) in [
+        ("entities", entities, unsound),
+        ("outside", outside, unsound),
+        ("variables", description("{0}", &variables), &["more than"]),
+        (
+            "deep",
+            description("{0}", &deep),
+            &["not sound XML", "deep"],
+        ),
+        ("wide", description("{0}", &wide), &["attributes"]),
+        (
+            "small",
+            description("{0}", &"<a/>".repeat(2_000_000)),
+            unsound,
+        ),
+    ] {
+        refused(&described(place.path(), name, &text), true, reasons);
     }
-    refused(
-        &fmu("wide", description("{0}", &format!("{wide}/>"))),
-        true,
-        &["attributes"],
-    );
-    let mut small = String::new();
-    (0..2_000_000).for_each(|_| small.push_str("<a/>"));
-    refused(
-        &fmu("small", description("{0}", &small)),
-        true,
-        &["not sound XML"],
-    );
 }
 
 #[test]
@@ -164,37 +139,26 @@ fn binaries_that_are_not_ours() {
             .file(place_of_binary, binary)
             .finish()
     };
-    let wrong = fmu(
-        "token",
-        "{00000000-0000-0000-0000-000000000000}",
-        BINARY,
-        &library,
-    );
-    refused(&wrong, false, &["token"]);
-    refused(
-        &fmu("text", token, BINARY, b"not a binary"),
-        false,
-        &["not a shared library"],
-    );
-    let mut half = library.clone();
-    half.truncate(library.len() / 2);
-    refused(
-        &fmu("half", token, BINARY, &half),
-        false,
-        &["cut off", "not a shared library"],
-    );
+    let half = &library[..library.len() / 2];
     // The same file for another processor: the ELF header's machine is AArch64 instead of x86-64.
     let mut foreign = library.clone();
     foreign[18..20].copy_from_slice(&183_u16.to_le_bytes());
-    refused(
-        &fmu("foreign", token, BINARY, &foreign),
-        false,
-        &["for the processor"],
-    );
+    let other_token = "{00000000-0000-0000-0000-000000000000}";
     let elsewhere = "binaries/aarch64-darwin/ReducedRig.dylib";
-    refused(
-        &fmu("elsewhere", token, elsewhere, &library),
-        false,
-        &["there is none for"],
-    );
+    let no_library = "not a shared library";
+    for (fmu, reasons) in [
+        (fmu("token", other_token, BINARY, &library), &["token"][..]),
+        (fmu("text", token, BINARY, b"not a binary"), &[no_library]),
+        (fmu("half", token, BINARY, half), &["cut off", no_library]),
+        (
+            fmu("foreign", token, BINARY, &foreign),
+            &["for the processor"],
+        ),
+        (
+            fmu("elsewhere", token, elsewhere, &library),
+            &["there is none for"],
+        ),
+    ] {
+        refused(&fmu, false, reasons);
+    }
 }
