@@ -8,6 +8,9 @@
 
 #[path = "../src/laws.rs"]
 mod laws;
+#[path = "../src/systems.rs"]
+#[allow(dead_code, reason = "the first system is enough here")]
+mod systems;
 
 use std::hint::black_box;
 
@@ -17,45 +20,24 @@ use stickslip::integrator::{HybridSystem, Options, Simulation};
 use stickslip::plant::{Rig, RigInputs, STATES, sensitivities};
 use stickslip::series::first_loss_of_sign;
 
-/// Reference speed [rad/s] and normal force [N] of all runs.
-const SPEED: f64 = 5.76;
-const NORMAL_FORCE: f64 = 50.0;
-
-const MACHINE: &str = "
-[disc]
-inertia = 0.0149
-[shaft]
-stiffness = 0.3482
-damping = 0.0022
-[gearbox]
-ratio = 8.0
-[motor]
-inertia = 5.18e-5
-resistance = 0.33
-inductance = 8.437e-4
-torque_constant = 0.126
-back_emf_constant = 0.0602
-coulomb_torque = 0.1196
-viscous_damping = 1.784e-4
-[contact]
-radius = 0.075
-";
+/// Law of the parts that are timed under one law.
+const LAW: &str = "stribeck";
 
 type Run = Simulation<f64, Rig<f64>>;
 
 /// A state in which disc and motor turn forward: angles [rad], speeds [rad/s], current [A].
 const SLIPPING: [f64; STATES] = [0.0, 5.0, 1.3, 5.76, 1.4, 0.0, 0.0, 0.0, 0.0, 0.0];
 
-fn start(law: &str, numbers: &str, state: [f64; STATES]) -> Run {
-    let text = format!("{MACHINE}law = \"{law}\"\n{numbers}\n");
-    let rig = Rig::from_toml(&text, law).expect("the model is valid");
-    let inputs = RigInputs::held(rig.voltage_for_speed(SPEED), NORMAL_FORCE, 0.0);
+fn start(law: &str, state: [f64; STATES]) -> Run {
+    let [system, ..] = systems::all();
+    let rig = Rig::from_toml(&system.model_with_law(law), law).expect("the model is valid");
+    let inputs = RigInputs::held(system.voltage(), system.normal_force, 0.0);
     Simulation::new(rig, Options::default(), 0.0, state, inputs).expect("the run starts")
 }
 
 /// A run from rest, up to 10 s and then to the next segment that `wanted` accepts.
-fn run_to(law: &str, numbers: &str, wanted: impl Fn(&Run) -> bool) -> Run {
-    let mut run = start(law, numbers, [0.0; STATES]);
+fn run_to(wanted: impl Fn(&Run) -> bool) -> Run {
+    let mut run = start(LAW, [0.0; STATES]);
     run.advance_to(10.0).expect("the run goes on");
     while !wanted(&run) {
         run.next_segment().expect("the run goes on");
@@ -72,8 +54,8 @@ fn slips(run: &Run) -> bool {
 fn expansion(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("expand one segment");
     let order = Options::default().order;
-    for (law, numbers) in LAWS {
-        let run = start(law, numbers, SLIPPING);
+    for (law, _) in LAWS {
+        let run = start(law, SLIPPING);
         let (rig, mode, time) = (*run.system(), *run.mode(), run.segment_start());
         let (state, inputs) = (run.state_at(time), *run.inputs());
         let mut jet = rig.new_jet();
@@ -95,15 +77,14 @@ fn expansion(criterion: &mut Criterion) {
 }
 
 fn events(criterion: &mut Criterion) {
-    let (law, numbers) = LAWS[2];
     let order = Options::default().order;
     let mut group = criterion.benchmark_group("first loss of sign");
     for (name, run) in [
         (
             "switch in the segment",
-            run_to(law, numbers, |run| run.pending_switch().is_some()),
+            run_to(|run| run.pending_switch().is_some()),
         ),
-        ("no switch in the segment", run_to(law, numbers, slips)),
+        ("no switch in the segment", run_to(slips)),
     ] {
         let width = Options::default()
             .longest_step
@@ -126,8 +107,7 @@ fn events(criterion: &mut Criterion) {
 }
 
 fn dense_output(criterion: &mut Criterion) {
-    let (law, numbers) = LAWS[2];
-    let run = run_to(law, numbers, slips);
+    let run = run_to(slips);
     let middle = 0.5 * (run.segment_start() + run.segment_end());
     let mut group = criterion.benchmark_group("dense output");
     group.bench_function("whole state", |bencher| {
@@ -141,9 +121,8 @@ fn dense_output(criterion: &mut Criterion) {
 
 /// One second of the reference run from the same state, alone and with eight derivatives.
 fn derivatives(criterion: &mut Criterion) {
-    let (law, numbers) = LAWS[2];
-    let rig = *start(law, numbers, SLIPPING).system();
-    let inputs = RigInputs::held(rig.voltage_for_speed(SPEED), NORMAL_FORCE, 0.0);
+    let start = start(LAW, SLIPPING);
+    let (rig, inputs) = (*start.system(), *start.inputs());
     let names = [
         "disc.inertia",
         "shaft.stiffness",

@@ -65,42 +65,29 @@ pub fn run(options: &Options) -> Result<bool> {
     } else {
         Effort::Thorough
     };
-    let wanted = |solver| options.solvers.is_empty() || options.solvers.contains(&solver);
+    let wanted = |solver: &&Solver| options.solvers.is_empty() || options.solvers.contains(solver);
+    let solvers: Vec<&Solver> = Solver::value_variants().iter().filter(wanted).collect();
     let systems: Vec<System> = systems::all()
         .into_iter()
         .filter(|s| options.systems.is_empty() || options.systems.iter().any(|key| key == s.key))
         .collect();
     let mut runs: Vec<Run> = Vec::new();
-    let program = wanted(Solver::Cvode).then(cvode::build).transpose()?;
-    let bar = progress(systems.len() as u64);
+    let cvode = solvers.contains(&&Solver::Cvode);
+    let program = cvode.then(cvode::build).transpose()?.unwrap_or_default();
+    let bar = progress(solvers.len() * systems.len());
     for system in &systems {
-        let doing = |name: &str| bar.set_message(format!("system {}: {name}", system.key));
-        if wanted(Solver::Stickslip) {
-            doing(ours::NAME);
-            runs.extend(ours::sweep(system, effort)?);
+        for solver in &solvers {
+            bar.set_message(format!("system {}: {solver:?}", system.key));
+            runs.extend(match solver {
+                Solver::Stickslip => ours::sweep(system, effort)?,
+                Solver::Heyoka => heyoka::sweep(system, effort)?,
+                Solver::Cvode => cvode::sweep(&program, system, effort)?,
+                #[cfg(feature = "diffsol")]
+                Solver::Diffsol => diffsol_rig::sweep(system, effort)?,
+                Solver::Scipy => scipy::sweep(system, effort)?,
+            });
+            bar.inc(1);
         }
-        bar.inc(1);
-        if wanted(Solver::Heyoka) {
-            doing(heyoka::NAME);
-            runs.extend(heyoka::sweep(system, effort)?);
-        }
-        bar.inc(1);
-        if let Some(program) = &program {
-            doing(cvode::NAME);
-            runs.extend(cvode::sweep(program, system, effort)?);
-        }
-        bar.inc(1);
-        #[cfg(feature = "diffsol")]
-        if wanted(Solver::Diffsol) {
-            doing(diffsol_rig::NAME);
-            runs.extend(diffsol_rig::sweep(system, effort)?);
-        }
-        bar.inc(1);
-        if wanted(Solver::Scipy) {
-            doing("scipy");
-            runs.extend(scipy::sweep(system, effort)?);
-        }
-        bar.inc(1);
     }
     bar.finish_and_clear();
     let references = systems
@@ -121,15 +108,13 @@ pub fn run(options: &Options) -> Result<bool> {
     };
     println!("{}", run_table(&findings));
     println!("{}", equal_error_tables(&findings, ours::NAME));
-    write_atomically(&options.out.join("work-precision.csv"), &csv(&findings))?;
-    write_atomically(
-        &options.out.join("work-precision.svg"),
-        &plot::svg(&findings),
-    )?;
-    write_atomically(
-        &options.out.join("benchmarks.md"),
-        &page(&findings, ours::NAME),
-    )?;
+    for (file, text) in [
+        ("work-precision.csv", csv(&findings)),
+        ("work-precision.svg", plot::svg(&findings)),
+        ("benchmarks.md", page(&findings, ours::NAME)),
+    ] {
+        write_atomically(&options.out.join(file), &text)?;
+    }
     let met = bars_met(&findings);
     Ok(met || !options.check)
 }
@@ -189,11 +174,8 @@ fn reference(system: &System, runs: &[Run]) -> Result<Reference> {
     Ok(Reference { theta, provenance })
 }
 
-/// Steps of the benchmark for one system.
-const STEPS: u64 = 5;
-
-fn progress(systems: u64) -> ProgressBar {
-    let bar = ProgressBar::new(STEPS * systems);
+fn progress(sweeps: usize) -> ProgressBar {
+    let bar = ProgressBar::new(sweeps as u64);
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {elapsed} {msg}") {
         bar.set_style(style);
     }

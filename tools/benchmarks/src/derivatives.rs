@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::hint::black_box;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use cpu_time::ProcessTime;
 use stickslip::integrator::{self, Simulation};
@@ -93,10 +93,9 @@ impl Cost {
 fn costs(wanted: impl Fn(&str) -> bool) -> Result<Vec<Cost>> {
     let [reduced, _, full] = systems::all();
     let mut costs = Vec::new();
-    for (law, numbers) in LAWS.into_iter().filter(|(law, _)| wanted(law)) {
+    for (law, _) in LAWS.into_iter().filter(|(law, _)| wanted(law)) {
         for system in [reduced, full] {
-            let contact = format!("law = \"{law}\"\n{numbers}\n");
-            let rig = Rig::from_toml(&system.model_with_law(&contact), law)?;
+            let rig = Rig::from_toml(&system.model_with_law(law), law)?;
             let force_1 = system.first_disc.map_or(0.0, |disc| disc.normal_force);
             let inputs = RigInputs::held(system.voltage(), system.normal_force, force_1);
             let which = if system.first_disc.is_some() {
@@ -115,9 +114,7 @@ fn costs(wanted: impl Fn(&str) -> bool) -> Result<Vec<Cost>> {
 /// Times every `wanted` effect alone on the reduced rig.
 fn costs_with_effects(wanted: impl Fn(&str) -> bool) -> Result<Vec<Cost>> {
     let [system, ..] = systems::all();
-    let numbers = LAWS.iter().find(|(law, _)| *law == LAW_OF_EFFECTS);
-    let (law, numbers) = numbers.context("the law of the effects is timed alone, too")?;
-    let model = system.model_with_law(&format!("law = \"{law}\"\n{numbers}\n"));
+    let model = system.model_with_law(LAW_OF_EFFECTS);
     let inputs = RigInputs::held(system.voltage(), system.normal_force, 0.0);
     let mut costs = Vec::new();
     for (effect, numbers) in EFFECTS.into_iter().filter(|(effect, _)| wanted(effect)) {

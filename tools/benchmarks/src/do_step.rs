@@ -1,16 +1,20 @@
 //! `benchmarks dostep`: what a communication step costs through the C ABI, and that its size does not
 //! change the result.
 
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::fmt::Write as _;
+use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
-use libloading::Library;
+use stress_tests::component::Component;
+use stress_tests::library::Library;
+use stress_tests::rig::Rig;
+use stress_tests::standard::Version;
 
 use crate::files::write_atomically;
-use crate::fmu::{self, Instance, Version};
 use crate::systems::{self, END_TIME, System};
 
 /// Largest difference of θ2 between communication steps [rad].
@@ -19,7 +23,7 @@ const IDENTITY: f64 = 1e-9;
 const MULTIPLES: [u32; 4] = [10, 73, 100, 1000];
 const SHORTEST_STEP: f64 = 1e-4;
 
-const VERSIONS: [(Version, &str); 2] = [(Version::Fmi2, "FMI 2"), (Version::Fmi3, "FMI 3")];
+const VERSIONS: [(Version, &str); 2] = [(Version::Two, "FMI 2"), (Version::Three, "FMI 3")];
 const OUTPUTS: [&str; 6] = ["theta", "theta_dot", "T_f", "theta3", "theta3_dot", "i"];
 
 /// Options of `benchmarks dostep`.
@@ -74,8 +78,9 @@ const CASES: [Case; 3] = [
 /// When the library is missing or refuses a call.
 pub fn run(options: &Options) -> Result<bool> {
     let path = options.library.clone().map_or_else(beside_program, Ok)?;
-    let library = fmu::load(&path)?;
+    let library = Library::load(&path)?;
     let [system, ..] = systems::all();
+    let component = Component::new(&system.model_toml())?;
     let mut text = String::from(
         "# Cost of a communication step\n\nMade by `cargo run --release -p benchmarks -- dostep`: the built library through its C ABI, the reduced rig with the\n\
          Stribeck law at 5.76 rad/s and 50 N, 60 s per run. Median over all calls of the median-of-three runs, the clock's own\n\
@@ -84,11 +89,16 @@ pub fn run(options: &Options) -> Result<bool> {
     );
     let mut met = true;
     for (version, version_name) in VERSIONS {
+        let ground = Ground {
+            library: &library,
+            component: &component,
+            version,
+            system,
+        };
         for case in CASES {
-            let median = median_of_three(|| timed_calls(&library, version, &system, case, false))?;
-            let with_outputs =
-                median_of_three(|| timed_calls(&library, version, &system, case, true))?;
-            let mean = median_of_three(|| mean_of_run(&library, version, &system, case))?;
+            let median = median_of_three(|| ground.timed_calls(case, false))?;
+            let with_outputs = median_of_three(|| ground.timed_calls(case, true))?;
+            let mean = median_of_three(|| ground.mean_of_run(case))?;
             met &= median <= case.bar;
             let _ = writeln!(
                 text,
@@ -100,9 +110,16 @@ pub fn run(options: &Options) -> Result<bool> {
     text.push_str("\n| interface | communication step [ms] | largest difference of θ2 from that with 0.1 ms [rad] |\n|---|---:|---:|\n");
     let mut identical = true;
     for (version, version_name) in VERSIONS {
-        let reference = angles(&library, version, &system, 1)?;
+        let ground = Ground {
+            library: &library,
+            component: &component,
+            version,
+            system,
+        };
+        let reference = ground.angles(1)?;
         for multiple in MULTIPLES {
-            let difference = angles(&library, version, &system, multiple)?
+            let difference = ground
+                .angles(multiple)?
                 .iter()
                 .zip(
                     reference
@@ -134,7 +151,7 @@ pub fn run(options: &Options) -> Result<bool> {
 fn beside_program() -> Result<PathBuf> {
     let program = std::env::current_exe()?;
     let folder = program.parent().context("this program lies in no folder")?;
-    let name = libloading::library_filename("stickslip");
+    let name = format!("{DLL_PREFIX}stickslip{DLL_SUFFIX}");
     let changed = |path: &Path| path.metadata().and_then(|m| m.modified()).ok();
     [folder.join("deps").join(&name), folder.join(&name)]
         .into_iter()
@@ -143,16 +160,10 @@ fn beside_program() -> Result<PathBuf> {
         .map(|(_, path)| path)
         .with_context(|| {
             format!(
-                "no {} in {}: run `cargo build --release`",
-                name.display(),
+                "no {name} in {}: run `cargo build --release`",
                 folder.display()
             )
         })
-}
-
-fn start<'a>(library: &'a Library, version: Version, system: &System) -> Result<Instance<'a>> {
-    let inputs = [("u", system.voltage()), ("N2", system.normal_force)];
-    fmu::instantiate(library, version, &system.model_toml(), &inputs)
 }
 
 fn median(values: &mut [f64]) -> f64 {
@@ -173,84 +184,79 @@ fn clock_overhead() -> f64 {
     median(&mut pauses)
 }
 
-/// The voltage of step `k`: never twice the same in a row.
-fn changing_voltage(system: &System, k: u32) -> f64 {
-    system.voltage() * (1.0 + 0.01 * (f64::from(k) * 0.01).sin())
-}
-
 fn steps_of(case: Case) -> u32 {
     (END_TIME / case.step).round() as u32
 }
 
-fn timed_calls(
-    library: &Library,
+/// What is timed, through which version.
+struct Ground<'a> {
+    library: &'a Library,
+    component: &'a Component,
     version: Version,
-    system: &System,
-    case: Case,
-    outputs: bool,
-) -> Result<f64> {
-    let toml = system.model_toml();
-    let instance = start(library, version, system)?;
-    let (voltage, read) = (
-        fmu::value_references(&toml, &["u"])?,
-        fmu::value_references(&toml, &OUTPUTS)?,
-    );
-    let mut values = [0.0; OUTPUTS.len()];
-    let mut times = Vec::with_capacity(steps_of(case) as usize);
-    for k in 0..steps_of(case) {
-        let point = f64::from(k) * case.step;
-        let input = [changing_voltage(system, k)];
+    system: System,
+}
+
+impl<'a> Ground<'a> {
+    fn start(&self) -> Result<Rig<'a>> {
+        let inputs = [
+            (self.component.reference("u")?, self.system.voltage()),
+            (self.component.reference("N2")?, self.system.normal_force),
+        ];
+        Rig::start(self.library, self.component, self.version, &inputs)
+    }
+
+    /// The voltage of step `k`: never twice the same in a row.
+    fn changing_voltage(&self, k: u32) -> f64 {
+        self.system.voltage() * (1.0 + 0.01 * (f64::from(k) * 0.01).sin())
+    }
+
+    fn timed_calls(&self, case: Case, outputs: bool) -> Result<f64> {
+        let rig = self.start()?;
+        let voltage = self.component.reference("u")?;
+        let mut read = [0; OUTPUTS.len()];
+        for (reference, name) in read.iter_mut().zip(OUTPUTS) {
+            *reference = self.component.reference(name)?;
+        }
+        let mut times = Vec::with_capacity(steps_of(case) as usize);
+        for k in 0..steps_of(case) {
+            let point = f64::from(k) * case.step;
+            let input = self.changing_voltage(k);
+            let before = Instant::now();
+            if case.input_changes {
+                rig.set(voltage, input)?;
+            }
+            rig.step(point, case.step)?;
+            if outputs {
+                black_box(rig.get(&read)?);
+            }
+            times.push(before.elapsed().as_nanos() as f64);
+        }
+        Ok(median(&mut times) - clock_overhead())
+    }
+
+    fn mean_of_run(&self, case: Case) -> Result<f64> {
+        let rig = self.start()?;
+        let voltage = self.component.reference("u")?;
         let before = Instant::now();
-        let mut status = if case.input_changes {
-            instance.set(&voltage, &input)
-        } else {
-            0
+        for k in 0..steps_of(case) {
+            if case.input_changes {
+                rig.set(voltage, self.changing_voltage(k))?;
+            }
+            rig.step(f64::from(k) * case.step, case.step)?;
+        }
+        Ok(before.elapsed().as_nanos() as f64 / f64::from(steps_of(case)))
+    }
+
+    /// θ2 at every communication point of a run with a step of `multiple` times the shortest.
+    fn angles(&self, multiple: u32) -> Result<Vec<f64>> {
+        let rig = self.start()?;
+        let theta = self.component.reference("theta")?;
+        let step = f64::from(multiple) * SHORTEST_STEP;
+        let count = (END_TIME / step + 1e-6).floor() as u32;
+        let angle = |k: u32| {
+            rig.step(f64::from(k) * step, step)?;
+            Ok(rig.get(&[theta])?[0])
         };
-        status |= instance.do_step(point, case.step);
-        if outputs {
-            status |= instance.get(&read, &mut values);
-        }
-        times.push(before.elapsed().as_nanos() as f64);
-        ensure!(
-            status == 0,
-            "the step at {point} s returned status {status}"
-        );
+        (0..count).map(angle).collect()
     }
-    Ok(median(&mut times) - clock_overhead())
-}
-
-fn mean_of_run(library: &Library, version: Version, system: &System, case: Case) -> Result<f64> {
-    let instance = start(library, version, system)?;
-    let voltage = fmu::value_references(&system.model_toml(), &["u"])?;
-    let mut status = 0;
-    let before = Instant::now();
-    for k in 0..steps_of(case) {
-        if case.input_changes {
-            status |= instance.set(&voltage, &[changing_voltage(system, k)]);
-        }
-        status |= instance.do_step(f64::from(k) * case.step, case.step);
-    }
-    let mean = before.elapsed().as_nanos() as f64 / f64::from(steps_of(case));
-    ensure!(status == 0, "a step returned status {status}");
-    Ok(mean)
-}
-
-/// θ2 at every communication point of a run with a step of `multiple` times the shortest.
-fn angles(library: &Library, version: Version, system: &System, multiple: u32) -> Result<Vec<f64>> {
-    let instance = start(library, version, system)?;
-    let theta = fmu::value_references(&system.model_toml(), &["theta"])?;
-    let step = f64::from(multiple) * SHORTEST_STEP;
-    let count = (END_TIME / step + 1e-6).floor() as u32;
-    let mut value = [0.0];
-    let mut list = Vec::with_capacity(count as usize);
-    for k in 0..count {
-        let point = f64::from(k) * step;
-        let status = instance.do_step(point, step) | instance.get(&theta, &mut value);
-        ensure!(
-            status == 0,
-            "the step at {point} s returned status {status}"
-        );
-        list.push(value[0]);
-    }
-    Ok(list)
 }

@@ -13,7 +13,6 @@ mod do_step;
 mod effects;
 mod effort;
 mod files;
-mod fmu;
 mod heyoka;
 mod interpreter;
 mod laws;

@@ -69,13 +69,12 @@ fn time_on_curve(curve: &[(f64, f64)], target: f64) -> Option<f64> {
     Some((below.1.ln() + share * (above.1 / below.1).ln()).exp())
 }
 
-/// Configurations among `runs`, in order of appearance.
-#[must_use]
-pub fn configurations(runs: &[&Run]) -> Vec<String> {
+/// The names, each once, in order of appearance.
+pub fn distinct<'a>(all: impl Iterator<Item = &'a String>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
-    for run in runs {
-        if !names.contains(&run.configuration) {
-            names.push(run.configuration.clone());
+    for name in all {
+        if !names.contains(name) {
+            names.push(name.clone());
         }
     }
     names
@@ -84,7 +83,7 @@ pub fn configurations(runs: &[&Run]) -> Vec<String> {
 /// Time [s] that the fastest configuration among `runs` needs for an error of `target`, and its name.
 #[must_use]
 pub fn time_at_error(runs: &[&Run], target: f64) -> Option<(f64, String)> {
-    configurations(runs)
+    distinct(runs.iter().map(|run| &run.configuration))
         .into_iter()
         .filter_map(|name| {
             let sweep: Vec<&Run> = runs

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::measurement::{Run, time_at_error};
+use crate::measurement::{Run, distinct, time_at_error};
 use crate::systems::System;
 
 /// Errors at which times are compared [rad].
@@ -42,13 +42,7 @@ impl Findings {
     /// Solvers in order of appearance.
     #[must_use]
     pub fn solvers(&self) -> Vec<String> {
-        let mut names: Vec<String> = Vec::new();
-        for run in &self.runs {
-            if !names.contains(&run.solver) {
-                names.push(run.solver.clone());
-            }
-        }
-        names
+        distinct(self.runs.iter().map(|run| &run.solver))
     }
 
     /// Time of `other` over time of `solver` at equal error; `None` where one does not reach it.

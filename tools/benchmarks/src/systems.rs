@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use crate::laws::LAWS;
+
 /// Length of every run [s].
 pub const END_TIME: f64 = 60.0;
 /// Time between two outputs [s].
@@ -19,21 +21,6 @@ const TORQUE_CONSTANT: f64 = 0.126;
 const BACK_EMF_CONSTANT: f64 = 0.0602;
 const COULOMB_TORQUE: f64 = 0.1196;
 const VISCOUS_DAMPING: f64 = 1.784e-4;
-
-/// Friction law of the disc contacts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
-    /// Equation (2-3): coefficients of sliding and breakaway, decay velocity [rad/s].
-    Stribeck { mu_c: f64, mu_s: f64, omega_s: f64 },
-    /// Equation (6-2): the friction coefficient as two Gaussians of the phase-plane angle.
-    TwoGaussian {
-        a: [f64; 2],
-        b: [f64; 2],
-        c: [f64; 2],
-        omega_centre: f64,
-        acceleration_semi_axis: f64,
-    },
-}
 
 /// Disc D1 of the full rig with its shaft and normal force.
 #[derive(Clone, Copy, Debug)]
@@ -55,8 +42,8 @@ pub struct System {
     pub key: &'static str,
     /// What it is, for headings.
     pub title: &'static str,
-    /// Law of every disc contact.
-    pub law: Law,
+    /// Law of every disc contact: its name in [`LAWS`].
+    pub law: &'static str,
     /// Present in the full rig.
     pub first_disc: Option<FirstDisc>,
     /// Normal force on disc D2 [N].
@@ -69,12 +56,6 @@ pub struct System {
     pub bar: f64,
 }
 
-const STRIBECK: Law = Law::Stribeck {
-    mu_c: 0.12,
-    mu_s: 0.20,
-    omega_s: 1.2,
-};
-
 /// The systems (a), (b) and (c), in this order.
 #[must_use]
 pub fn all() -> [System; 3] {
@@ -82,7 +63,7 @@ pub fn all() -> [System; 3] {
         System {
             key: "a",
             title: "reduced rig, Stribeck law, 5.76 rad/s, 50 N",
-            law: STRIBECK,
+            law: "stribeck",
             first_disc: None,
             normal_force: 50.0,
             speed: 5.76,
@@ -92,13 +73,7 @@ pub fn all() -> [System; 3] {
         System {
             key: "b",
             title: "reduced rig, two-Gaussian friction coefficient, 55 rpm, 50 N",
-            law: Law::TwoGaussian {
-                a: [0.27115, 0.18567],
-                b: [-3.07246, 0.47960],
-                c: [1.28946, 2.62303],
-                omega_centre: 7.15956,
-                acceleration_semi_axis: 58.2873,
-            },
+            law: "two_gaussian_mu",
             first_disc: None,
             normal_force: 50.0,
             speed: 55.0 * 2.0 * PI / 60.0,
@@ -108,7 +83,7 @@ pub fn all() -> [System; 3] {
         System {
             key: "c",
             title: "full rig, Stribeck law on both discs, 40 rpm, 30 N on D1, 20 N on D2",
-            law: STRIBECK,
+            law: "stribeck",
             first_disc: Some(FirstDisc {
                 inertia: 0.0288,
                 stiffness: 2.905,
@@ -121,6 +96,12 @@ pub fn all() -> [System; 3] {
             bar: 10.0,
         },
     ]
+}
+
+/// Numbers of a law as lines of `model.toml`.
+fn law_numbers(law: &str) -> &'static str {
+    let row = LAWS.iter().find(|(name, _)| *name == law);
+    row.map_or("", |(_, numbers)| numbers)
 }
 
 impl System {
@@ -150,31 +131,16 @@ impl System {
             ("radius", PIN_RADIUS),
             ("u", self.voltage()),
         ];
-        match self.law {
-            Law::Stribeck {
-                mu_c,
-                mu_s,
-                omega_s,
-            } => {
-                list.extend([("mu_c", mu_c), ("mu_s", mu_s), ("omega_s", omega_s)]);
+        for line in law_numbers(self.law).lines() {
+            let (key, value) = line.split_once(" = ").unwrap_or_default();
+            let value = value.parse().unwrap_or(f64::NAN);
+            match key {
+                "c1" => list.push(("c1g", value)),
+                "c2" => list.push(("c2g", value)),
+                "omega_centre" => list.extend([("Vc", value), ("V", value)]),
+                "acceleration_semi_axis" => list.push(("A", value)),
+                _ => list.push((key, value)),
             }
-            Law::TwoGaussian {
-                a,
-                b,
-                c,
-                omega_centre,
-                acceleration_semi_axis,
-            } => list.extend([
-                ("a1", a[0]),
-                ("b1", b[0]),
-                ("c1g", c[0]),
-                ("a2", a[1]),
-                ("b2", b[1]),
-                ("c2g", c[1]),
-                ("Vc", omega_centre),
-                ("V", omega_centre),
-                ("A", acceleration_semi_axis),
-            ]),
         }
         if let Some(disc) = self.first_disc {
             list.extend([
@@ -190,38 +156,14 @@ impl System {
     /// The same numbers as a `model.toml`.
     #[must_use]
     pub fn model_toml(&self) -> String {
-        self.model_with_law(&self.law_toml())
+        self.model_with_law(self.law)
     }
 
-    fn law_toml(&self) -> String {
-        match self.law {
-            Law::Stribeck {
-                mu_c,
-                mu_s,
-                omega_s,
-            } => {
-                format!(
-                    "law = \"stribeck\"\nmu_c = {mu_c:?}\nmu_s = {mu_s:?}\nomega_s = {omega_s:?}\n"
-                )
-            }
-            Law::TwoGaussian {
-                a,
-                b,
-                c,
-                omega_centre,
-                acceleration_semi_axis,
-            } => format!(
-                "law = \"two_gaussian_mu\"\na1 = {:?}\nb1 = {:?}\nc1 = {:?}\na2 = {:?}\nb2 = {:?}\nc2 = {:?}\n\
-                 omega_centre = {omega_centre:?}\nacceleration_semi_axis = {acceleration_semi_axis:?}\n",
-                a[0], b[0], c[0], a[1], b[1], c[1]
-            ),
-        }
-    }
-
-    /// The `model.toml` with another law, given as its lines in `[contact]`, on every disc.
+    /// The `model.toml` with another of the [`LAWS`] on every disc.
     #[must_use]
     pub fn model_with_law(&self, law: &str) -> String {
-        let contact = format!("radius = {PIN_RADIUS:?}\n{law}");
+        let numbers = law_numbers(law);
+        let contact = format!("radius = {PIN_RADIUS:?}\nlaw = \"{law}\"\n{numbers}\n");
         let first_disc = self.first_disc.map_or_else(String::new, |disc| {
             format!(
                 "[disc1]\ninertia = {:?}\n[shaft1]\nstiffness = {:?}\ndamping = {:?}\n[contact1]\n{contact}",

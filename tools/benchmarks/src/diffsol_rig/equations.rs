@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use anyhow::{Context, Result};
 
 use super::loop_law::{LoopLaw, Solution};
-use crate::systems::{self, System};
+use crate::systems::System;
 
 /// States of the full rig; the reduced rig has the first five.
 pub const MOST_STATES: usize = 7;
@@ -75,34 +75,6 @@ enum Law {
 }
 
 impl Law {
-    fn new(law: systems::Law) -> Self {
-        match law {
-            systems::Law::Stribeck {
-                mu_c,
-                mu_s,
-                omega_s,
-            } => Self::Stribeck {
-                mu_c,
-                mu_s,
-                omega_s,
-            },
-            systems::Law::TwoGaussian {
-                a,
-                b,
-                c,
-                omega_centre,
-                acceleration_semi_axis,
-            } => Self::Loop(LoopLaw {
-                a,
-                b,
-                c,
-                omega_centre,
-                acceleration_semi_axis,
-                last: Cell::new((0.0, PI)),
-            }),
-        }
-    }
-
     fn breakaway(&self) -> f64 {
         match self {
             Self::Stribeck { mu_s, .. } => *mu_s,
@@ -154,6 +126,22 @@ impl Rig {
         };
         let radius = number("radius")?;
         let ratio = number("eta")?;
+        let law = if system.law == "stribeck" {
+            Law::Stribeck {
+                mu_c: number("mu_c")?,
+                mu_s: number("mu_s")?,
+                omega_s: number("omega_s")?,
+            }
+        } else {
+            Law::Loop(LoopLaw {
+                a: [number("a1")?, number("a2")?],
+                b: [number("b1")?, number("b2")?],
+                c: [number("c1g")?, number("c2g")?],
+                omega_centre: number("Vc")?,
+                acceleration_semi_axis: number("A")?,
+                last: Cell::new((0.0, PI)),
+            })
+        };
         Ok(Self {
             disc: Disc {
                 inertia: number("J2")?,
@@ -167,7 +155,7 @@ impl Rig {
                 damping: disc.damping,
                 load_radius: radius * disc.normal_force,
             }),
-            law: Law::new(system.law),
+            law,
             ratio,
             motor_inertia: ratio * ratio * number("Jm")?,
             resistance: number("R")?,

@@ -5,14 +5,13 @@ mod loop_law;
 
 use std::rc::Rc;
 
-use anyhow::{Result, anyhow};
-use cpu_time::ProcessTime;
+use anyhow::Result;
 use diffsol::{
     NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations,
     OdeSolverMethod, OdeSolverStopReason,
 };
 
-use crate::effort::Effort;
+use crate::effort::{Effort, fastest};
 use crate::measurement::{Apart, Run};
 use crate::systems::{END_TIME, OUTPUT_STEP, System};
 use equations::{Rig, THETA};
@@ -148,7 +147,7 @@ pub fn sweep(system: &System, effort: Effort) -> Result<Vec<Run>> {
     let mut runs = Vec::new();
     for method in Method::ALL {
         for tolerance in effort.tolerances(1e-4, method.tightest()) {
-            match best_of(&rig, method, tolerance, effort.repetitions()) {
+            match fastest(effort.repetitions(), || simulate(&rig, method, tolerance)) {
                 Ok((seconds, end)) => runs.push(Run {
                     system: system.key.into(),
                     solver: NAME.into(),
@@ -170,17 +169,4 @@ pub fn sweep(system: &System, effort: Effort) -> Result<Vec<Run>> {
         }
     }
     Ok(runs)
-}
-
-fn best_of(rig: &Rc<Rig>, method: Method, tolerance: f64, repetitions: u32) -> Result<(f64, End)> {
-    let mut best: Option<(f64, End)> = None;
-    for _ in 0..repetitions {
-        let start = ProcessTime::now();
-        let end = simulate(rig, method, tolerance)?;
-        let seconds = start.elapsed().as_secs_f64();
-        if best.as_ref().is_none_or(|b| seconds < b.0) {
-            best = Some((seconds, end));
-        }
-    }
-    best.ok_or_else(|| anyhow!("no repetition asked for"))
 }
