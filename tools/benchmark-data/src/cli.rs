@@ -235,7 +235,7 @@ fn plan(arguments: &MakeArguments) -> anyhow::Result<Vec<PlannedCase>> {
     let (seed, cases) = arguments.seed_and_cases()?;
     let mut kinds = match (arguments.pairs, arguments.outside, arguments.clean) {
         (true, _, _) => Kind::pairs(),
-        (_, true, _) => Kind::outsiders(),
+        (_, true, _) => Kind::outsiders(false),
         (_, _, true) => vec![Kind::clean(Brake::On), Kind::clean(Brake::Off)],
         _ => Kind::singles(),
     };

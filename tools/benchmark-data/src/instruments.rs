@@ -47,8 +47,10 @@ impl Instruments {
         }
     }
 
-    /// Instruments nobody knows: `factor` times as noisy, encoders too where they do not round.
-    pub fn unknown(self, factor: f64, quantised: bool) -> Self {
+    /// Instruments nobody knows, drawn: 0.2 to 5 times as noisy, encoders too where they do not round.
+    pub fn unknown_to_all(self, stream: &mut Stream) -> Self {
+        let factor = stream.log_uniform(0.2, 5.0);
+        let quantised = stream.chance(0.5);
         let angle_factor = if quantised { 1.0 } else { factor };
         Self {
             disc_encoder_step: self.disc_encoder_step * angle_factor,
@@ -56,12 +58,6 @@ impl Instruments {
             quantised,
             ..self.noisier(factor)
         }
-    }
-
-    /// Instruments nobody knows, drawn: 0.2 to 5 times as noisy, encoders round or not.
-    pub fn unknown_to_all(self, stream: &mut Stream) -> Self {
-        let factor = stream.log_uniform(0.2, 5.0);
-        self.unknown(factor, stream.chance(0.5))
     }
 
     /// As the answers state them; `encoders_round` is 1 or 0.

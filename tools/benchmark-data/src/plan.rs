@@ -120,7 +120,7 @@ impl Group {
                 .map(Kind::clean)
                 .to_vec(),
             Self::Pairs => Kind::pairs(),
-            Self::Outside => Kind::outsiders(),
+            Self::Outside => Kind::outsiders(false),
             Self::Further => Kind::further(),
         }
     }

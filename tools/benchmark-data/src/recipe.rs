@@ -5,7 +5,7 @@ use crate::effects::Effects;
 use crate::excitation::{Brake, Run, draw_runs};
 use crate::hidden_effect::{Effect, STRIBECK, practice_law};
 use crate::law::ContactLaw;
-use crate::other_rigs::plan::{UNDER_OTHER_LAWS, combinations};
+use crate::other_rigs::plan::combinations;
 use crate::random::{Purpose, Stream};
 use crate::rig::{FRICTION_LEVEL, NOMINAL, draw_ratios};
 use crate::simulator::TrueRig;
@@ -20,12 +20,12 @@ const ROUGH_CORRELATION_TIME: f64 = 0.1;
 pub struct Kind {
     /// `kind` in the answers.
     pub name: String,
-    /// The effects, none for a clean case.
-    pub effects: Vec<Effect>,
+    /// The effects, none for a clean case, with whether each sits on disc D1 (of the full rig).
+    pub effects: Vec<(Effect, bool)>,
     /// Whether the pin brakes the disc.
     pub brake: Brake,
-    /// The analyst's friction law.
-    pub base: &'static str,
+    /// The analyst's friction law where the kind fixes it.
+    pub base: Option<&'static str>,
 }
 
 /// How a case is drawn.
@@ -57,12 +57,22 @@ pub struct HiddenCase {
 }
 
 impl Kind {
-    fn new(name: &str, effects: &[Effect], brake: Brake, base: &'static str) -> Self {
+    /// These effects with the brake on, named by them.
+    pub(crate) fn of(effects: &[(Effect, bool)]) -> Self {
+        let names: Vec<_> = effects.iter().map(|(effect, _)| effect.name()).collect();
+        Self {
+            name: names.join("_and_"),
+            effects: effects.to_vec(),
+            brake: Brake::On,
+            base: None,
+        }
+    }
+
+    fn named(name: &str, effect: Effect, brake: Brake) -> Self {
         Self {
             name: name.to_owned(),
-            effects: effects.to_vec(),
             brake,
-            base,
+            ..Self::of(&[(effect, false)])
         }
     }
 
@@ -72,35 +82,44 @@ impl Kind {
             Brake::On => "none",
             Brake::Off => "none_no_brake",
         };
-        Self::new(name, &[], brake, "stribeck")
+        Self {
+            name: name.to_owned(),
+            brake,
+            ..Self::of(&[])
+        }
     }
 
-    fn single(effect: Effect, brake: Brake) -> Self {
-        let base = effect.replaced_law().unwrap_or("stribeck");
-        Self::new(effect.name(), &[effect], brake, base)
+    /// One effect of the catalogue under another law of the analyst's than usual.
+    pub(crate) fn under_other_laws() -> impl Iterator<Item = Self> {
+        let wobble = Self {
+            base: Some("two_gaussian_mu"),
+            ..Self::named(
+                "normal_force_wobble_gauss",
+                Effect::NormalForceWobble,
+                Brake::On,
+            )
+        };
+        let hysteresis = Effect::AccelerationHysteresis;
+        let hysteresis = Self {
+            base: Some("coulomb_stiction"),
+            ..Self::named("acceleration_hysteresis_c", hysteresis, Brake::On)
+        };
+        [wobble, hysteresis].into_iter()
     }
 
     /// Every kind of the practice records that hides one effect.
     pub fn singles() -> Vec<Self> {
         let braked = Effect::catalogue().map(|effect| match effect {
-            Effect::BearingFriction => Self {
-                name: "bearing_friction_braked".to_owned(),
-                ..Self::single(effect, Brake::On)
-            },
-            Effect::QuadraticDrag => Self::single(effect, Brake::Off),
-            _ => Self::single(effect, Brake::On),
+            Effect::BearingFriction => Self::named("bearing_friction_braked", effect, Brake::On),
+            Effect::QuadraticDrag => Self::named(effect.name(), effect, Brake::Off),
+            _ => Self::of(&[(effect, false)]),
         });
         let free = [
-            Self::single(Effect::BearingFriction, Brake::Off),
-            Self {
-                name: "unbalance_no_brake".to_owned(),
-                ..Self::single(Effect::Unbalance, Brake::Off)
-            },
+            Self::named("bearing_friction", Effect::BearingFriction, Brake::Off),
+            Self::named("unbalance_no_brake", Effect::Unbalance, Brake::Off),
         ];
-        let under_other_laws = UNDER_OTHER_LAWS
-            .iter()
-            .map(|&(name, effect, base)| Self::new(name, &[effect], Brake::On, base));
-        braked.chain(free).chain(under_other_laws).collect()
+        let kinds = braked.chain(free).chain(Self::under_other_laws());
+        kinds.collect()
     }
 
     /// Kinds of a catalogue that the practice records do not have: presliding, and contacts that follow another law in part.
@@ -109,7 +128,7 @@ impl Kind {
             .into_iter()
             .filter(Self::replaces_law)
             .collect();
-        kinds.push(Self::single(Effect::Presliding, Brake::On));
+        kinds.push(Self::of(&[(Effect::Presliding, false)]));
         kinds
     }
 
@@ -117,17 +136,14 @@ impl Kind {
     pub fn replaces_law(&self) -> bool {
         self.effects
             .iter()
-            .any(|effect| effect.replaced_law().is_some())
+            .any(|(effect, _)| effect.replaced_law().is_some())
     }
 
-    /// Kinds in no catalogue, `outside_<name>`.
-    pub fn outsiders() -> Vec<Self> {
+    /// Kinds in no catalogue, `outside_<name>`, with those of other rigs if `other_rigs`.
+    pub fn outsiders(other_rigs: bool) -> Vec<Self> {
         Effect::outsiders()
-            .filter(|effect| *effect <= Effect::FadingMotor)
-            .map(|effect| {
-                let name = format!("outside_{}", effect.name());
-                Self::new(&name, &[effect], Brake::On, "stribeck")
-            })
+            .filter(|effect| other_rigs || *effect <= Effect::FadingMotor)
+            .map(|effect| Self::named(&format!("outside_{}", effect.name()), effect, Brake::On))
             .collect()
     }
 
@@ -137,13 +153,17 @@ impl Kind {
         let choices: Vec<_> = Effect::catalogue().map(|effect| (effect, false)).collect();
         let mut pairs = combinations(&choices, 2);
         pairs.sort();
-        let pair = |effects: Vec<(Effect, bool)>| {
-            let effects = [effects[0].0, effects[1].0];
-            let law = effects.iter().find_map(|effect| effect.replaced_law());
-            let name = effects.map(Effect::name).join("_and_");
-            Self::new(&name, &effects, Brake::On, law.unwrap_or("stribeck"))
-        };
-        pairs.into_iter().map(pair).collect()
+        pairs.iter().map(|pair| Self::of(pair)).collect()
+    }
+
+    /// The analyst's law on the dissertation's rig.
+    fn believed_law(&self) -> ContactLaw {
+        let replaced = self
+            .effects
+            .iter()
+            .find_map(|(effect, _)| effect.replaced_law());
+        let law = self.base.or(replaced).and_then(practice_law);
+        law.unwrap_or(STRIBECK)
     }
 }
 
@@ -155,11 +175,11 @@ impl Recipe {
         let least_spread = if self.rough { 0.02 } else { 0.01 };
         let spread = round_to(stream.uniform(least_spread, 0.02), 1e-3);
         let ratios = draw_ratios(stream, spread);
-        let believed_law = practice_law(self.kind.base).unwrap_or(STRIBECK);
+        let believed_law = self.kind.believed_law();
 
         let mut hidden = Effects::default();
         let mut law = believed_law.clone();
-        for effect in &self.kind.effects {
+        for (effect, _) in &self.kind.effects {
             effect.put(scale, self.kind.brake, stream, &mut hidden);
             if let Some(full_law) = effect.full_law(stream) {
                 law = if scale >= 1.0 {
@@ -220,7 +240,7 @@ mod tests {
     fn kinds_cover_the_practice_records_and_more() {
         assert_eq!(Kind::singles().len(), 22);
         assert_eq!(Kind::further().len(), 5);
-        assert_eq!(Kind::outsiders().len(), 14);
+        assert_eq!(Kind::outsiders(false).len(), 14);
         // 18·17/2 pairs less three of two laws and one equivalent.
         assert_eq!(Kind::pairs().len(), 149);
     }
@@ -232,13 +252,13 @@ mod tests {
             .iter()
             .find(|kind| kind.name == "stiction_and_viscous_drag")
             .unwrap();
-        assert_eq!(pair.base, "coulomb");
+        assert_eq!(pair.believed_law().name(), "coulomb");
     }
 
     #[test]
     fn small_law_differences_blend() {
         let case = Recipe {
-            kind: Kind::single(Effect::Stiction, Brake::On),
+            kind: Kind::of(&[(Effect::Stiction, false)]),
             seed: 1,
             scale: (0.1, 0.1),
             rough: false,

@@ -5,15 +5,18 @@
 use benchmark_data::excitation::Excitation;
 use benchmark_data::other_rigs::case::{DrawnCase, OtherCase, RigChoice};
 use benchmark_data::other_rigs::drawing::Draws;
-use benchmark_data::other_rigs::plan::{OtherKind, OtherWish, Sort};
+use benchmark_data::other_rigs::plan::{OtherWish, Sort, kinds};
 use benchmark_data::other_rigs::runs::MOST_SAMPLES;
 use benchmark_data::random::{Purpose, Stream};
+use benchmark_data::recipe::Kind;
 use benchmark_data::simulator::{Sample, Simulator, State};
 use core::f64::consts::TAU;
 
-fn kind(name: &str) -> OtherKind {
-    let kinds = OtherKind::all(Sort::Single, false);
-    kinds.into_iter().find(|kind| kind.name == name).unwrap()
+fn kind(name: &str) -> Kind {
+    kinds(Sort::Single, false)
+        .into_iter()
+        .find(|kind| kind.name == name)
+        .unwrap()
 }
 
 /// The first case from `seed` on whose rig is as wanted.
@@ -92,7 +95,7 @@ fn half_the_step_changes_nothing_that_instruments_show_on_a_light_fast_rig() {
 
 #[test]
 fn cases_stick_at_some_points_slide_at_others_and_stay_short() {
-    for kind in OtherKind::all(Sort::Single, false) {
+    for kind in kinds(Sort::Single, false) {
         let case = OtherCase {
             kind,
             seed: 612_000,
@@ -212,9 +215,9 @@ fn two_discs_swing_at_the_frequencies_of_the_pair() {
 
 #[test]
 fn sets_of_effects_can_be_parted() {
-    let pairs = OtherKind::all(Sort::Pair, false);
+    let pairs = kinds(Sort::Pair, false);
     assert_eq!(pairs.len(), 149);
-    let triples = OtherKind::all(Sort::Triple, false);
+    let triples = kinds(Sort::Triple, false);
     assert!(triples.len() > 600, "{}", triples.len());
     for kind in &triples {
         let laws = kind
@@ -223,7 +226,7 @@ fn sets_of_effects_can_be_parted() {
             .filter(|(effect, _)| effect.replaced_law().is_some());
         assert!(laws.count() <= 1, "{}", kind.name);
     }
-    assert_eq!(OtherKind::all(Sort::Single, true).len(), 12);
+    assert_eq!(kinds(Sort::Single, true).len(), 12);
 }
 
 #[test]

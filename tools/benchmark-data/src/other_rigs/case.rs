@@ -13,12 +13,12 @@ use crate::other_rigs::contact::{Laws, Speeds, draw_laws, is_sound};
 use crate::other_rigs::disc1::{BelievedOuter, Disc1Draws};
 use crate::other_rigs::drawing::{Draws, OtherRig};
 use crate::other_rigs::motion::{Motion, Seen};
-use crate::other_rigs::plan::OtherKind;
 use crate::other_rigs::runs::{Layout, Wants, voltage_step};
 use crate::other_rigs::sizes::Scales;
 use crate::other_rigs::text::{facts, model_toml};
 use crate::plan::Measured;
 use crate::random::{Purpose, Stream};
+use crate::recipe::Kind;
 use crate::records::Recording;
 use crate::rig::{FRICTION_LEVEL, NOMINAL, draw_ratios};
 use crate::simulator::{Sample, Simulator, State, TrueRig};
@@ -50,7 +50,7 @@ pub struct OtherCase {
     /// Directory name; says nothing about the kind.
     pub name: String,
     /// What is hidden.
-    pub kind: OtherKind,
+    pub kind: Kind,
     /// Seed of every random number of the case.
     pub seed: u64,
     /// The rig.
@@ -377,14 +377,16 @@ impl OtherCase {
             .filter(|(name, _)| name != "load_ref" || case.truth.effects.load_exp != 1.0)
             .chain(disc1_effects.into_iter().flatten())
             .collect();
-        let place = |on_disc1: bool| if on_disc1 { "disc1" } else { "disc2" }.to_owned();
-        let places: BTreeMap<String, String> = if self.rig == RigChoice::Full {
-            let of =
-                |&(effect, on_disc1): &(Effect, bool)| (effect.name().to_owned(), place(on_disc1));
-            self.kind.effects.iter().map(of).collect()
-        } else {
-            BTreeMap::new()
+        let place = |&(effect, on_disc1): &(Effect, bool)| {
+            let disc = if on_disc1 { "disc1" } else { "disc2" };
+            (effect.name().to_owned(), disc.to_owned())
         };
+        let mut places: BTreeMap<String, String> = match self.rig {
+            RigChoice::Full => self.kind.effects.iter().map(place).collect(),
+            _ => BTreeMap::new(),
+        };
+        let one = places.len() == 1;
+        let place = one.then(|| places.pop_first().map(|(_, place)| place));
         let law_name = |law: &ContactLaw| law.name().to_owned();
         Answer {
             kind: self.kind.name.clone(),
@@ -396,15 +398,8 @@ impl OtherCase {
             truth: law_name(&case.laws.truth),
             effects,
             parameter_ratio: case.ratios.clone(),
-            place: match places.len() {
-                1 => places.values().next().cloned(),
-                _ => None,
-            },
-            places: if places.len() > 1 {
-                places
-            } else {
-                BTreeMap::new()
-            },
+            place: place.flatten(),
+            places,
             sensors: self.measured.unknown.then(|| case.instruments.answers()),
             facts: facts(case),
         }

@@ -1,22 +1,13 @@
 //! Which cases to make on other rigs.
 
 use crate::error::MakerError;
+use crate::excitation::Brake;
 use crate::hidden_effect::Effect;
 use crate::kinds::{in_turn, only};
 use crate::other_rigs::case::{OtherCase, RigChoice};
 use crate::plan::{Measured, check_seeds, check_sizes};
 use crate::random::{Purpose, Stream};
-
-/// What is hidden in a case on another rig.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OtherKind {
-    /// `kind` in the answers.
-    pub name: String,
-    /// The effects with whether each sits on disc D1 (of the full rig).
-    pub effects: Vec<(Effect, bool)>,
-    /// The analyst's friction law where the kind fixes it.
-    pub base: Option<&'static str>,
-}
+use crate::recipe::Kind;
 
 /// How many effects and of which sort.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,20 +34,6 @@ pub const ON_EITHER_DISC: [Effect; 6] = [
     Effect::ShaftHardening,
 ];
 
-/// Kinds whose effect is hidden under another law of the analyst's.
-pub(crate) const UNDER_OTHER_LAWS: [(&str, Effect, &str); 2] = [
-    (
-        "normal_force_wobble_gauss",
-        Effect::NormalForceWobble,
-        "two_gaussian_mu",
-    ),
-    (
-        "acceleration_hysteresis_c",
-        Effect::AccelerationHysteresis,
-        "coulomb_stiction",
-    ),
-];
-
 /// What to make on other rigs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OtherWish {
@@ -72,58 +49,28 @@ pub struct OtherWish {
     pub common: OtherCase,
 }
 
-impl OtherKind {
-    fn new(effects: &[(Effect, bool)]) -> Self {
-        let names: Vec<_> = effects.iter().map(|(effect, _)| effect.name()).collect();
-        Self {
-            name: names.join("_and_"),
-            effects: effects.to_vec(),
-            base: None,
+/// Every kind of `sort`, on the full rig if `full_rig`.
+pub fn kinds(sort: Sort, full_rig: bool) -> Vec<Kind> {
+    let on_either = ON_EITHER_DISC.map(|effect| [(effect, true), (effect, false)]);
+    let choices: Vec<(Effect, bool)> = if full_rig {
+        on_either.concat()
+    } else {
+        Effect::catalogue().map(|effect| (effect, false)).collect()
+    };
+    let sets_of = |count| {
+        let sets = combinations(&choices, count);
+        sets.iter().map(|set| Kind::of(set)).collect()
+    };
+    match sort {
+        Sort::Clean => vec![Kind::clean(Brake::On)],
+        Sort::Outside => Kind::outsiders(true),
+        Sort::Single => {
+            let further = Kind::under_other_laws().filter(|_| !full_rig);
+            let singles = choices.iter().map(|&choice| Kind::of(&[choice]));
+            singles.chain(further).collect()
         }
-    }
-
-    /// A case with nothing hidden.
-    pub fn clean() -> Self {
-        Self {
-            name: "none".to_owned(),
-            effects: Vec::new(),
-            base: None,
-        }
-    }
-
-    /// Every kind of `sort`, on the full rig if `full_rig`.
-    pub fn all(sort: Sort, full_rig: bool) -> Vec<Self> {
-        let on_either = ON_EITHER_DISC.map(|effect| [(effect, true), (effect, false)]);
-        let choices: Vec<(Effect, bool)> = if full_rig {
-            on_either.concat()
-        } else {
-            Effect::catalogue().map(|effect| (effect, false)).collect()
-        };
-        let sets_of = |count| {
-            let sets = combinations(&choices, count);
-            sets.iter().map(|set| Self::new(set)).collect()
-        };
-        match sort {
-            Sort::Clean => vec![Self::clean()],
-            Sort::Outside => Effect::outsiders()
-                .map(|effect| Self {
-                    name: format!("outside_{}", effect.name()),
-                    ..Self::new(&[(effect, false)])
-                })
-                .collect(),
-            Sort::Single => {
-                let singles = choices.iter().map(|&choice| Self::new(&[choice]));
-                let under_other_laws = UNDER_OTHER_LAWS.iter().map(|&(name, effect, base)| Self {
-                    name: name.to_owned(),
-                    effects: vec![(effect, false)],
-                    base: Some(base),
-                });
-                let further = if full_rig { 0 } else { UNDER_OTHER_LAWS.len() };
-                singles.chain(under_other_laws.take(further)).collect()
-            }
-            Sort::Pair => sets_of(2),
-            Sort::Triple => sets_of(3),
-        }
+        Sort::Pair => sets_of(2),
+        Sort::Triple => sets_of(3),
     }
 }
 
@@ -163,7 +110,7 @@ impl OtherWish {
         check_seeds(self.seed, self.cases)?;
         check_sizes(self.common.size, self.common.noise)?;
         let full_rig = self.common.rig == RigChoice::Full;
-        let kinds = OtherKind::all(self.sort, full_rig);
+        let kinds = kinds(self.sort, full_rig);
         let mut kinds = only(kinds, self.kind.as_deref(), |kind| &kind.name)?;
         if matches!(self.sort, Sort::Pair | Sort::Triple) {
             Stream::new(self.seed, Purpose::Recipe).shuffle(&mut kinds);
@@ -183,7 +130,7 @@ impl Default for OtherCase {
     fn default() -> Self {
         Self {
             name: String::new(),
-            kind: OtherKind::clean(),
+            kind: Kind::clean(Brake::On),
             seed: 0,
             rig: RigChoice::Drawn,
             size: (1.0, 1.0),
