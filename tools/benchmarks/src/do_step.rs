@@ -88,13 +88,16 @@ pub fn run(options: &Options) -> Result<bool> {
          | interface | communication step | median [ns] | with six outputs read [ns] | mean [ns] | bar [ns] |\n|---|---|---:|---:|---:|---:|\n",
     );
     let mut met = true;
-    for (version, version_name) in VERSIONS {
+    let grounds = VERSIONS.map(|(version, name)| {
         let ground = Ground {
             library: &library,
             component: &component,
             version,
             system,
         };
+        (ground, name)
+    });
+    for (ground, version_name) in &grounds {
         for case in CASES {
             let median = median_of_three(|| ground.timed_calls(case, false))?;
             let with_outputs = median_of_three(|| ground.timed_calls(case, true))?;
@@ -109,13 +112,7 @@ pub fn run(options: &Options) -> Result<bool> {
     }
     text.push_str("\n| interface | communication step [ms] | largest difference of θ2 from that with 0.1 ms [rad] |\n|---|---:|---:|\n");
     let mut identical = true;
-    for (version, version_name) in VERSIONS {
-        let ground = Ground {
-            library: &library,
-            component: &component,
-            version,
-            system,
-        };
+    for (ground, version_name) in &grounds {
         let reference = ground.angles(1)?;
         for multiple in MULTIPLES {
             let difference = ground
