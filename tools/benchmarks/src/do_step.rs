@@ -195,10 +195,8 @@ struct Ground<'a> {
 
 impl<'a> Ground<'a> {
     fn start(&self) -> Result<Rig<'a>> {
-        let inputs = [
-            (self.component.reference("u")?, self.system.voltage()),
-            (self.component.reference("N2")?, self.system.normal_force),
-        ];
+        let [u, n2] = self.component.references(["u", "N2"])?;
+        let inputs = [(u, self.system.voltage()), (n2, self.system.normal_force)];
         Rig::start(self.library, self.component, self.version, &inputs)
     }
 
@@ -209,11 +207,8 @@ impl<'a> Ground<'a> {
 
     fn timed_calls(&self, case: Case, outputs: bool) -> Result<f64> {
         let rig = self.start()?;
-        let voltage = self.component.reference("u")?;
-        let mut read = [0; OUTPUTS.len()];
-        for (reference, name) in read.iter_mut().zip(OUTPUTS) {
-            *reference = self.component.reference(name)?;
-        }
+        let [voltage] = self.component.references(["u"])?;
+        let read = self.component.references(OUTPUTS)?;
         let mut times = Vec::with_capacity(steps_of(case) as usize);
         for k in 0..steps_of(case) {
             let point = f64::from(k) * case.step;
@@ -233,7 +228,7 @@ impl<'a> Ground<'a> {
 
     fn mean_of_run(&self, case: Case) -> Result<f64> {
         let rig = self.start()?;
-        let voltage = self.component.reference("u")?;
+        let [voltage] = self.component.references(["u"])?;
         let before = Instant::now();
         for k in 0..steps_of(case) {
             if case.input_changes {
@@ -247,12 +242,12 @@ impl<'a> Ground<'a> {
     /// θ2 at every communication point of a run with a step of `multiple` times the shortest.
     fn angles(&self, multiple: u32) -> Result<Vec<f64>> {
         let rig = self.start()?;
-        let theta = self.component.reference("theta")?;
+        let theta = self.component.references(["theta"])?;
         let step = f64::from(multiple) * SHORTEST_STEP;
         let count = (END_TIME / step + 1e-6).floor() as u32;
         let angle = |k: u32| {
             rig.step(f64::from(k) * step, step)?;
-            Ok(rig.get(&[theta])?[0])
+            Ok(rig.get(&theta)?[0])
         };
         (0..count).map(angle).collect()
     }

@@ -63,14 +63,18 @@ impl Component {
         })?)
     }
 
-    /// Value reference of the variable `name`.
+    /// Value references of variables by their names.
     ///
     /// # Errors
-    /// There is none.
-    pub fn reference(&self, name: &str) -> Result<u32> {
-        let variable = self.table.find(name);
-        Ok(variable
-            .ok_or_else(|| anyhow!("no variable {name}"))?
-            .value_reference)
+    /// There is no variable of one of the names.
+    pub fn references<const N: usize>(&self, names: [&str; N]) -> Result<[u32; N]> {
+        let mut references = [0; N];
+        for (reference, name) in references.iter_mut().zip(names) {
+            let variable = self.table.find(name);
+            *reference = variable
+                .ok_or_else(|| anyhow!("no variable {name}"))?
+                .value_reference;
+        }
+        Ok(references)
     }
 }

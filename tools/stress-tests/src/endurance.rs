@@ -32,17 +32,9 @@ fn memory() -> Result<u64> {
     Ok(number.context("no VmRSS")?.trim().parse()?)
 }
 
-fn references<const N: usize>(component: &Component, names: [&str; N]) -> Result<[u32; N]> {
-    let mut references = [0; N];
-    for (reference, name) in references.iter_mut().zip(names) {
-        *reference = component.reference(name)?;
-    }
-    Ok(references)
-}
-
 /// One of many runs: which version, at which voltage [V] and normal force [N].
 fn case(number: usize, component: &Component) -> Result<(Version, [(u32, f64); 2])> {
-    let [u, n2] = references(component, ["u", "N2"])?;
+    let [u, n2] = component.references(["u", "N2"])?;
     let version = if number.is_multiple_of(2) {
         Version::Two
     } else {
@@ -54,7 +46,7 @@ fn case(number: usize, component: &Component) -> Result<(Version, [(u32, f64); 2
 }
 
 fn outputs(rig: &Rig<'_>, component: &Component) -> Result<[u64; 5]> {
-    Ok(rig.get(&references(component, OUTPUTS)?)?.map(f64::to_bits))
+    Ok(rig.get(&component.references(OUTPUTS)?)?.map(f64::to_bits))
 }
 
 /// The end of a run that is alone in its process.
@@ -173,8 +165,8 @@ pub fn marathon(library: &Library, steps: u64, mut progress: impl FnMut(&str)) -
     /// A stretch begins and ends anywhere in a cycle, which turns the disc by less than this [rad].
     const PART_OF_A_CYCLE: f64 = 10.0;
     let component = Component::new(REDUCED_RIG)?;
-    let [u, n2] = references(&component, ["u", "N2"])?;
-    let [theta, omega, time] = references(&component, ["theta", "theta_dot", "time"])?;
+    let [u, n2] = component.references(["u", "N2"])?;
+    let [theta, omega, time] = component.references(["theta", "theta_dot", "time"])?;
     let rig = Rig::start(
         library,
         &component,

@@ -116,13 +116,10 @@ fn any_pattern_of_steps_that_holds_the_inputs_ends_in_the_same_bits() {
     let library = Library::load(&beside_program().unwrap()).unwrap();
     for (text, names) in [(REDUCED_RIG, ["u", "N2"]), (FULL_RIG, ["u", "N1"])] {
         let component = Component::new(text).unwrap();
-        let inputs = [3.1, 40.0]
-            .into_iter()
-            .zip(names)
-            .map(|(v, name)| (component.reference(name).unwrap(), v));
-        let inputs: Vec<(u32, f64)> = inputs.collect();
-        let outputs =
-            ["theta", "theta_dot", "T_f", "i"].map(|name| component.reference(name).unwrap());
+        let [voltage, force] = component.references(names).unwrap();
+        let inputs = [(voltage, 3.1), (force, 40.0)];
+        let outputs = ["theta", "theta_dot", "T_f", "i"];
+        let outputs = component.references(outputs).unwrap();
         let mut ends = Vec::new();
         for seed in 0..30 {
             let mut random = Random::new(seed);
