@@ -148,11 +148,12 @@ impl Ground {
     }
 }
 
-/// Names of all effects, from the program that knows them.
+/// Names of all effects on rigs, which stand before those on small plants, from the program that knows them.
 fn all_effects() -> Result<Vec<String>> {
     let output = program::command("stickslip effects", &[])?.output()?;
     let names = String::from_utf8(output.stdout)?
         .lines()
+        .take_while(|line| !line.is_empty())
         .filter_map(|line| line.split_whitespace().next().map(str::to_owned))
         .collect::<Vec<_>>();
     ensure!(
