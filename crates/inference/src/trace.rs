@@ -28,6 +28,31 @@ pub struct Trace {
     pub velocity_deviation: f64,
 }
 
+impl Trace {
+    /// The same where only changes of the angle are known: about `told`, as well as that is known.
+    fn about(self, told: &Self) -> Self {
+        let distance = told.distance(&self);
+        self.shifted(distance, told)
+    }
+
+    /// The same with an angle larger by `distance`, which is known as well as `told`'s.
+    fn shifted(mut self, distance: f64, told: &Self) -> Self {
+        for angle in &mut self.angle {
+            *angle += distance;
+        }
+        for (own, deviation) in self.angle_deviation.iter_mut().zip(&told.angle_deviation) {
+            *own = own.hypot(*deviation);
+        }
+        self
+    }
+
+    /// By how much its angle is ahead of `other`'s on average.
+    fn distance(&self, other: &Self) -> f64 {
+        let pairs = self.angle.iter().zip(&other.angle);
+        pairs.map(|(own, other)| own - other).sum::<f64>() / self.angle.len().max(1) as f64
+    }
+}
+
 /// How the disc moves about a sample, as far as the readings tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
@@ -80,12 +105,21 @@ struct Sensed<'a> {
 }
 
 pub(crate) fn traces(run: &Run, rig: &Rig<f64>, instruments: &Instruments) -> Traces {
-    let gear = body(run, channel::THETA3, channel::OMEGA3, instruments)
+    let mut gear = body(run, channel::THETA3, channel::OMEGA3, instruments)
         .unwrap_or_else(|| driven(run, rig));
     let measured = body(run, channel::THETA, channel::OMEGA, instruments);
     let is_measured = measured.is_some();
-    let disc = measured.unwrap_or_else(|| twisted(run, &gear, rig));
+    let mut disc = measured.unwrap_or_else(|| twisted(run, &gear, rig));
     let speed = speed(&gear).max(if is_measured { speed(&disc) } else { 0.0 });
+    let is_at_rest = begins_at_rest(run, speed, disc.velocity_deviation);
+    if is_measured && !is_at_rest {
+        let told = twisted(run, &gear, rig);
+        if !run.has(channel::THETA) {
+            disc = disc.about(&told);
+        } else if !run.has(channel::THETA3) {
+            gear = gear.shifted(disc.distance(&told), &told);
+        }
+    }
     let motions = |disc: &Trace, is_measured: bool, sensed: &Sensed<'_>| -> Vec<Motion> {
         if !is_measured {
             return vec![Motion::Unclear; run.len()];
@@ -109,10 +143,13 @@ pub(crate) fn traces(run: &Run, rig: &Rig<f64>, instruments: &Instruments) -> Tr
         };
         let measured = body(run, sensed.angle, sensed.velocity, instruments);
         let is_measured = measured.is_some();
-        let disc = measured.unwrap_or_else(|| {
-            let period = (disc1.disc.inertia / disc1.shaft.stiffness).sqrt();
-            carried(&disc, speed, period)
-        });
+        let period = (disc1.disc.inertia / disc1.shaft.stiffness).sqrt();
+        let carried = carried(&disc, speed, period);
+        let disc = match measured {
+            None => carried,
+            Some(disc1) if is_at_rest || run.has(sensed.angle) => disc1,
+            Some(disc1) => disc1.about(&carried),
+        };
         let motion = motions(&disc, is_measured, &sensed);
         Disc1Traces { disc, motion }
     });
@@ -123,6 +160,23 @@ pub(crate) fn traces(run: &Run, rig: &Rig<f64>, instruments: &Instruments) -> Tr
         speed,
         disc1,
     }
+}
+
+/// Whether a run begins with the rig at rest, as far as velocities tell of which the highest is `speed` and the disc's is known to
+/// `deviation`. A stretch after a hole has begun before.
+pub(crate) fn begins_at_rest(run: &Run, speed: f64, deviation: f64) -> bool {
+    let is_slow = |channel: usize| {
+        let first = run.readings[channel].first();
+        first.is_none_or(|velocity| velocity.abs() < 0.03 * speed + 6.0 * deviation)
+    };
+    let is_first = run
+        .time
+        .first()
+        .is_some_and(|time| time.abs() < run.interval());
+    is_first
+        && [channel::OMEGA, channel::OMEGA3, channel::OMEGA1]
+            .into_iter()
+            .all(is_slow)
 }
 
 /// Disc D1 where nothing of it was measured: it turns with D2, but for what it swings on its shaft in `period`, a radian of

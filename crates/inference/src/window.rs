@@ -3,7 +3,7 @@
 use crate::load_error::LoadLevel;
 use crate::record::{Run, channel};
 use crate::scales::Scales;
-use crate::trace::Motion;
+use crate::trace::{Motion, begins_at_rest};
 use stickslip::plant::{Rig, RigKind, RigState, STATES, index};
 use stickslip::series::Scalar;
 
@@ -292,23 +292,12 @@ impl Cut {
 
 /// Whether a run starts at rest with angles zero, as records that begin with the rig do; a stretch after a hole has turned on.
 fn starts_at_rest(run: &Run, scales: &Scales) -> bool {
-    let slow = |channel: usize| {
-        let least = 0.03 * scales.speed;
-        run.readings[channel]
-            .first()
-            .is_none_or(|w| w.abs() < least + 6.0 * run.traces.disc.velocity_deviation)
-    };
     let at_zero = |channel: usize| {
         run.readings[channel]
             .first()
             .is_none_or(|angle| angle.abs() < 0.02 * scales.twist)
     };
-    run.time
-        .first()
-        .is_some_and(|time| time.abs() < run.interval())
-        && slow(channel::OMEGA)
-        && slow(channel::OMEGA3)
-        && slow(channel::OMEGA1)
+    begins_at_rest(run, scales.speed, run.traces.disc.velocity_deviation)
         && at_zero(channel::THETA)
         && at_zero(channel::THETA3)
         && at_zero(channel::THETA1)
