@@ -141,12 +141,32 @@ fn resolution(records: &[&[f64]]) -> Option<f64> {
             .filter(|gap| *gap > SAME * largest)
             .min_by(f64::total_cmp)
     };
+    let rounding = rounding(&levels, largest);
     let of_changes = gap(changes(records));
     let of_levels = gap(levels);
-    match (of_levels, of_changes) {
+    let smallest = match (of_levels, of_changes) {
         (Some(a), Some(b)) => Some(a.min(b)),
         (a, b) => a.or(b),
+    };
+    smallest.map(|gap| gap.max(rounding))
+}
+
+/// Unit to which the largest readings are rounded: that of their last decimal, or of numbers of 32 bits. Where so many significant
+/// digits are written, or so many bits, small readings have finer ones.
+fn rounding(levels: &[f64], largest: f64) -> f64 {
+    let is_short =
+        |x: &f64| (*x as f32).to_string().parse() == Ok(*x) || f64::from(*x as f32) == *x;
+    if levels.iter().all(is_short) {
+        return largest * f64::from(f32::EPSILON);
     }
+    let decimals = |x: &f64| {
+        x.to_string()
+            .split_once('.')
+            .map_or(0, |(_, own)| own.len())
+    };
+    let as_large = 10f64.powf(largest.log10().floor());
+    let large = levels.iter().filter(|x| x.abs() >= as_large);
+    10f64.powi(-(large.map(decimals).max().unwrap_or(0) as i32))
 }
 
 /// Sizes of all changes from one reading to the next.
@@ -425,6 +445,29 @@ mod tests {
         let (step, noise) = step_and_noise(&[&readings]);
         assert_near(step, ENCODER_STEP, 1e-4);
         assert!(noise <= 0.0);
+    }
+
+    #[test]
+    fn a_step_is_found_among_readings_of_so_many_digits_or_bits() {
+        let plain = record(300.7, 20.0, 0.0, 4);
+        let written: [fn(f64) -> f64; 3] = [
+            |x| format!("{x:.8e}").parse().unwrap(),
+            |x| f64::from(x as f32),
+            |x| (x as f32).to_string().parse().unwrap(),
+        ];
+        for write in written {
+            let mut stream = Stream(4);
+            let mut rounded = plain.clone();
+            for reading in &mut rounded.readings[THETA] {
+                *reading = write((*reading / ENCODER_STEP).round() * ENCODER_STEP);
+            }
+            for reading in &mut rounded.readings[OMEGA] {
+                *reading = write(*reading + 1e-3 * stream.normal());
+            }
+            let found = estimate(&[rounded]);
+            assert_near(found.step[THETA], ENCODER_STEP, 1e-3);
+            assert_near(found.noise[OMEGA], TACHOMETER_NOISE, 0.1);
+        }
     }
 
     #[test]
