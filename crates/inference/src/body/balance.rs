@@ -203,8 +203,8 @@ impl Prepared {
     fn thinned(&self, series: &[f64]) -> Vec<f64> {
         let known;
         let mut series = series;
-        if self.motion.pursuit.is_some() {
-            // The filter would spread what the FMU's own friction takes at rest, which nobody knows, over the moments beside.
+        if self.motion.tells.contains(&false) {
+            // The filter would spread what friction takes at rest, which nobody knows, over the moments beside.
             let pairs = series.iter().zip(&self.motion.tells);
             known = pairs
                 .map(|(value, tells)| if *tells { *value } else { 0.0 })
@@ -256,6 +256,7 @@ impl Prepared {
             predicted: between(&motion.predicted),
             voltage: motion.voltage[at],
             connected: motion.connected[at],
+            driving: motion.driving[at],
             port: motion.port,
             ..self.of_pursuit(at)
         }

@@ -56,6 +56,8 @@ pub struct Motion {
     pub voltage: Vec<f64>,
     /// 1 where a motor's terminals are connected, 0 where they are open.
     pub connected: Vec<f64>,
+    /// What drives the plant: the force of a drive, the voltage of a joint, an FMU's first input; zero where nothing does.
+    pub driving: Vec<f64>,
     /// Whether the moment says something of the forces: at rest friction takes any force up to breakaway.
     pub tells: Vec<bool>,
     /// Which of an FMU's ports it is of.
@@ -166,6 +168,7 @@ impl Motion {
             predicted: vec![0.0; count],
             voltage: vec![0.0; count],
             connected: vec![0.0; count],
+            driving: vec![0.0; count],
             tells: vec![true; count],
             port: 0,
             cut_off: None,
@@ -187,6 +190,7 @@ impl Motion {
         both.predicted.extend(&next.predicted);
         both.voltage.extend(&next.voltage);
         both.connected.extend(&next.connected);
+        both.driving.extend(&next.driving);
         both.tells.extend(&next.tells);
         both
     }
@@ -207,6 +211,19 @@ impl Motion {
             }
         }
         self.tells = tells;
+    }
+
+    /// Whether less than a tenth of it says something of the forces.
+    #[must_use]
+    pub fn hardly_moves(&self) -> bool {
+        10.0 * self.seconds_that_tell() < self.seconds()
+    }
+
+    /// For how long it says something of the forces [s].
+    #[must_use]
+    pub fn seconds_that_tell(&self) -> f64 {
+        let telling = self.tells.iter().filter(|own| **own).count();
+        telling as f64 * self.interval
     }
 
     /// Number of samples.

@@ -97,6 +97,12 @@ pub const COORDINATES: &[Coordinate] = &[
         bins: BINS,
     },
     Coordinate {
+        name: "driving_input",
+        label: "driving force or input",
+        of: |c, _| c.sample.driving,
+        bins: BINS,
+    },
+    Coordinate {
         name: "predicted_force",
         label: "predicted force",
         of: |c, _| c.sample.predicted,

@@ -31,6 +31,8 @@ pub struct Sample {
     pub voltage: f64,
     /// 1 where the motor's terminals are connected, 0 where they are open.
     pub connected: f64,
+    /// What drives the plant: the force of a drive, the voltage of a joint, an FMU's first input.
+    pub driving: f64,
     /// Torque of the motor over the moment of inertia, friction apart [rad/s²]; of a joint.
     pub motor: f64,
     /// By how much an FMU's missing force falls as each of its uncertain parameters grows [N or N m over the parameter's unit].

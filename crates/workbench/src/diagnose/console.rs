@@ -71,16 +71,24 @@ pub fn answer(finding: &Finding) -> Vec<String> {
     }
     if let Some(gap) = &finding.gap {
         let errors = gap.through_fmu.fmi3;
+        let noise = if finding.friction_fluctuation > 0.0 {
+            format!(
+                "noise and a fluctuation of the friction by {}",
+                percent(finding.friction_fluctuation)
+            )
+        } else {
+            "noise alone".to_owned()
+        };
         lines.push(match errors.closed {
             Some(closed) => format!(
-                "On the held-out record, through the FMU, {} of the gap is closed: window error {} before, {} after, {} from noise alone.",
+                "On the held-out record, through the FMU, {} of the gap is closed: window error {} before, {} after, {} from {noise}.",
                 percent(closed),
                 number(errors.before),
                 number(errors.after),
                 number(errors.noise_floor)
             ),
             None => format!(
-                "On the held-out record there is no gap to close: window error {} where noise alone gives {}.",
+                "On the held-out record there is no gap to close: window error {}, and {} from {noise}.",
                 number(errors.before),
                 number(errors.noise_floor)
             ),

@@ -132,7 +132,7 @@ fn check_shaft(file: &str, stretches: &[Stretch], rig: &Rig<f64>) -> Result<(), 
     } else if near(-1.0) {
         "do they count in opposite directions? Both must count forward"
     } else {
-        "which units are they in? They must be rad and rad/s of disc D2 and of the gearbox output"
+        "which units are they in? They must be rad and rad/s of disc D2 and of the gearbox output. If a coupling slips or a sensor does not follow, leave that record out"
     };
     Err(RecordProblem::Shaft {
         file: file.to_owned(),

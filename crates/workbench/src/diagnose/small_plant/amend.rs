@@ -21,7 +21,7 @@ use stickslip::body::{Dimension, Kind};
 use stickslip::parameter::Provenance;
 
 /// Share of what is left that a free function of one coordinate may explain before something counts as missing still: most of it.
-const STRUCTURED: f64 = 0.5;
+pub const STRUCTURED: f64 = 0.5;
 
 /// The finding of what naming came to.
 #[must_use]
@@ -57,6 +57,9 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
             number(*probability)
         ));
     }
+    if let Some(note) = within_a_sample(case, &found.finding.effects) {
+        found.finding.notes.push(note);
+    }
     found.finding.ranking = weighed()
         .map(|(set, probability)| Ranked {
             score: set.is_answer().then(|| set.odds_over(best)),
@@ -70,6 +73,20 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
         .filter_map(|name| Some(ranked((*name).to_owned(), best, naming.best_without(name)?)))
         .collect();
     found
+}
+
+/// What else a delay of less than a sample may be.
+fn within_a_sample(case: &SmallCase, effects: &[FoundEffect]) -> Option<String> {
+    let delay = effects.iter().find(|own| own.name == "sensor_delay")?;
+    let delay = delay.parameters.get("delay")?.value;
+    let interval = case.records.first()?.interval;
+    (delay.abs() <= interval).then(|| {
+        format!(
+            "the delay is {} of the sampling interval of {} s; a force that is held from one sample to the next, or readings at other instants within it, look the same",
+            number(delay / interval),
+            number(interval)
+        )
+    })
 }
 
 /// What a set gains over another.

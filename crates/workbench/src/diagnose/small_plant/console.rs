@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::amend::STRUCTURED;
 use super::finding::{ErrorSize, SmallFinding};
 use crate::diagnose::console::{candidates, gain_line, number, percent, readable, undecided};
 use crate::diagnose::finding::{FoundEffect, VerdictName};
@@ -39,11 +40,21 @@ pub fn answer(found: &SmallFinding) -> Vec<String> {
         VerdictName::NotInCatalogue => {
             lines.push("Something is missing that no effect of the catalogue explains.".to_owned());
             added(&mut lines, "Added on the way");
-            if let Some(place) = finding.structure_left.first() {
+            let share = found.small_plant.share_left;
+            if let Some(place) = finding
+                .structure_left
+                .first()
+                .filter(|_| share > STRUCTURED)
+            {
                 lines.push(format!(
                     "What is left is structured over the {}: a free function of one coordinate explains {} of it.",
                     readable(&place.coordinate),
-                    percent(found.small_plant.share_left)
+                    percent(share)
+                ));
+            } else if let Some(place) = finding.structure.first() {
+                lines.push(format!(
+                    "A free function of the {} alone explains more of the records.",
+                    readable(&place.coordinate)
                 ));
             }
         }

@@ -61,16 +61,33 @@ pub fn read(
         motion.connected = sheet
             .series(Quantity::Connected)?
             .unwrap_or(vec![1.0; motion.len()]);
+    }
+    // A free swing is compared as a whole; where an FMU rests, its pursuit tells.
+    if !matches!(model.model.kind, Kind::Pendulum | Kind::Fmu) {
         let measurement = &model.measurement;
         let cut_off = measurement
             .compare_low_pass
             .unwrap_or(0.5 * measurement.compare_rate);
         motion.leave_rests_out(measurement.standstill_speed, cut_off);
+        if motion.hardly_moves() {
+            return Err(sheet.unusable(format!(
+                "it is faster than [measurement] standstill_speed = {} for {:.3} s of {:.3} s; where it rests, friction takes any force, so that these records tell nothing",
+                measurement.standstill_speed,
+                motion.seconds_that_tell(),
+                motion.seconds()
+            )));
+        }
     }
     let driven = driven
         .iter()
         .map(|name| sheet.column(name, "what drives an input"));
     let driven = driven.collect::<Result<Vec<_>, SmallCaseError>>()?;
+    motion.driving = match model.model.kind {
+        Kind::Drive => motion.force.clone(),
+        Kind::Joint => motion.voltage.clone(),
+        Kind::Fmu => driven.first().cloned().unwrap_or(motion.driving),
+        Kind::Pendulum | Kind::Contact | Kind::Balance => motion.driving,
+    };
     let mut motions = vec![motion];
     for port in model
         .ports
@@ -78,7 +95,11 @@ pub fn read(
         .flat_map(|ports| ports.ports.iter().skip(1))
     {
         let [position, velocity] = [&port.measured_position, &port.measured_velocity];
-        motions.push(sheet.motion(part, position.as_ref(), velocity.as_ref())?);
+        let motion = sheet.motion(part, position.as_ref(), velocity.as_ref())?;
+        motions.push(Motion {
+            driving: motions[0].driving.clone(),
+            ..motion
+        });
     }
     Ok(Recorded { motions, driven })
 }

@@ -173,11 +173,10 @@ impl Chased {
         let cut_off = own.and_then(|place| place.cut_off).unwrap_or(self.cut_off);
         motion.cut_off = Some(cut_off);
         motion.leave_rests_out(self.standstill, cut_off);
-        let moving = motion.tells.iter().filter(|own| **own).count();
-        if moving < motion.len() / 10 {
+        if motion.hardly_moves() {
             return Err(MissingError::Rests {
+                seconds: motion.seconds_that_tell(),
                 record: motion.name,
-                seconds: moving as f64 * motion.interval,
             });
         }
         Ok(motion)

@@ -157,7 +157,7 @@ struct Course {
 impl Course {
     /// Means over the steps half a sample before and after each sample.
     fn sampled(&self, inertia: f64, substeps: usize, step: f64) -> Pursuit {
-        let half = substeps.div_ceil(2);
+        let half = substeps / 2;
         let spans: Vec<(usize, usize)> = (0..=self.force.len())
             .step_by(substeps)
             .map(|at| (at.saturating_sub(half), (at + half).min(self.force.len())))
@@ -197,11 +197,13 @@ fn between(position: [f64; 2], velocity: [f64; 2], interval: f64, part: f64) -> 
 }
 
 /// How many steps an interval [s] between samples is cut into where forces are looked at below `cut_off` [Hz], and their length [s].
+///
+/// They are even in number: half of them before a sample and half behind it are one interval, over which what a held input does
+/// between samples has no mean. Over a longer stretch it has one, which changes as the input does and passes for a delay.
 #[must_use]
 pub fn substeps(interval: f64, cut_off: f64) -> (usize, f64) {
-    let count = (interval * TAU * BANDWIDTH * cut_off / STEP)
-        .ceil()
-        .max(1.0);
+    let pairs = (interval * TAU * BANDWIDTH * cut_off / (2.0 * STEP)).ceil();
+    let count = 2.0 * pairs.max(1.0);
     (count as usize, interval / count)
 }
 
