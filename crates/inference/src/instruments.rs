@@ -29,19 +29,22 @@ pub fn estimate(records: &[RawRecord]) -> Instruments {
         noise: [0.0; CHANNELS],
     };
     for channel in 0..CHANNELS {
-        let readings: Vec<&[f64]> = records
+        let series: Vec<Series> = records
             .iter()
-            .map(|record| record.readings[channel].as_slice())
+            .map(|record| (record.time.as_slice(), record.readings[channel].as_slice()))
             .collect();
-        (instruments.step[channel], instruments.noise[channel]) = step_and_noise(&readings);
+        (instruments.step[channel], instruments.noise[channel]) = step_and_noise(&series);
     }
     instruments
 }
 
+/// Times and readings of a channel in a record; no readings where it was not measured.
+pub type Series<'a> = (&'a [f64], &'a [f64]);
+
 /// Standard deviation of the load cell's noise [N], its rounding included, from raw readings; 0 when they are constant.
 #[must_use]
-pub fn load_noise(readings: &[&[f64]]) -> f64 {
-    let (step, noise) = step_and_noise(readings);
+pub fn load_noise(records: &[Series]) -> f64 {
+    let (step, noise) = step_and_noise(records);
     deviation(step, noise)
 }
 
@@ -104,13 +107,14 @@ fn deviation(step: f64, noise: f64) -> f64 {
 }
 
 /// Step and noise of one channel from all its records, in the channel's unit.
-fn step_and_noise(records: &[&[f64]]) -> (f64, f64) {
-    let Some(print) = resolution(records) else {
+fn step_and_noise(records: &[Series]) -> (f64, f64) {
+    let readings: Vec<&[f64]> = records.iter().map(|(_, readings)| *readings).collect();
+    let Some(print) = resolution(&readings) else {
         return (0.0, 0.0);
     };
     let total = noise(records);
     // Where no coarser step than that of the printed decimals occurs, those are the step.
-    let step = coarse_step(records, print).unwrap_or(print);
+    let step = coarse_step(&readings, print).unwrap_or(print);
     // Fluctuation beyond that of the step. Differences of a stepped signal are uniform only where the motion crosses many
     // steps, and the motion's own remainder adds to them: a standard deviation half as large again is still the step alone.
     let alone = deviation(step, 0.0);
@@ -268,12 +272,12 @@ fn common_step(
 }
 
 /// Standard deviation of what fluctuates from sample to sample, over all records of a channel.
-fn noise(records: &[&[f64]]) -> f64 {
+fn noise(records: &[Series]) -> f64 {
     let mut best: Option<(f64, f64)> = None;
     for order in ORDERS {
         let mut sizes: Vec<f64> = records
             .iter()
-            .flat_map(|readings| difference_sizes(readings, order))
+            .flat_map(|series| difference_sizes(series, order))
             .collect();
         if sizes.len() < 20 {
             continue;
@@ -288,24 +292,24 @@ fn noise(records: &[&[f64]]) -> f64 {
     best.map_or(0.0, |(scale, _)| scale)
 }
 
-/// Absolute differences of an order, divided by what makes those of white noise as large as the noise. A channel that does not
+/// Absolute divided differences of an order, divided by what makes those of white noise as large as the noise. A channel that does not
 /// change at all tells nothing of its noise: such stretches are left out.
-fn difference_sizes(readings: &[f64], order: usize) -> Vec<f64> {
-    let mut differences = readings.to_vec();
-    // Sum of the squared binomials: C(2 n, n).
-    let mut squares = 1f64;
-    for n in 1..=order {
-        differences = differences
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .collect();
-        squares *= (4 * n - 2) as f64 / n as f64;
-    }
-    differences
-        .iter()
+fn difference_sizes(&(times, readings): &Series, order: usize) -> Vec<f64> {
+    times
+        .windows(order + 1)
         .zip(readings.windows(order + 1))
         .filter(|(_, window)| window.iter().any(|x| *x != window[0]))
-        .map(|(difference, _)| difference.abs() / squares.sqrt())
+        .map(|(times, window)| {
+            let unit = (times[order] - times[0]) / order as f64;
+            let (mut difference, mut squares) = (0.0, 0.0);
+            for (at, reading) in window.iter().enumerate() {
+                let others = times.iter().enumerate().filter(|(other, _)| *other != at);
+                let weight: f64 = others.map(|(_, time)| unit / (times[at] - time)).product();
+                difference += weight * reading;
+                squares += weight * weight;
+            }
+            difference.abs() / squares.sqrt()
+        })
         .filter(|size| size.is_finite())
         .collect()
 }
@@ -442,9 +446,24 @@ mod tests {
         let readings: Vec<f64> = (0..400)
             .map(|k| printed((angle(k) / ENCODER_STEP).floor() * ENCODER_STEP, 6))
             .collect();
-        let (step, noise) = step_and_noise(&[&readings]);
+        let times: Vec<f64> = (0..400).map(f64::from).collect();
+        let (step, noise) = step_and_noise(&[(&times, &readings)]);
         assert_near(step, ENCODER_STEP, 1e-4);
         assert!(noise <= 0.0);
+    }
+
+    #[test]
+    fn times_that_jitter_do_not_pass_for_noise() {
+        let mut stream = Stream(9);
+        let mut jittering = RawRecord::default();
+        for k in 0..6000 {
+            let time = (f64::from(k) + 0.6 * (stream.uniform() - 0.5)) / 300.7;
+            let (_, velocity) = stick_slip(time);
+            jittering.time.push(time);
+            jittering.readings[OMEGA].push(velocity + 0.2 * TACHOMETER_NOISE * stream.normal());
+        }
+        let found = estimate(&[jittering]);
+        assert_near(found.noise[OMEGA], 0.2 * TACHOMETER_NOISE, 0.1);
     }
 
     #[test]
@@ -493,9 +512,12 @@ mod tests {
             .map(|_| printed(50.0 + 0.2 * stream.normal(), 3))
             .collect();
         let off = vec![0.0; 2000];
-        assert_near(load_noise(&[&noisy, &off]), 0.2, 0.05);
-        assert!(load_noise(&[&off]) <= 0.0);
-        assert!(load_noise(&[&[], &[1.0], &[f64::NAN; 3]]) <= 0.0);
+        let times: Vec<f64> = (0..2000).map(f64::from).collect();
+        let timed = |readings| (times.as_slice(), readings);
+        assert_near(load_noise(&[timed(&noisy), timed(&off)]), 0.2, 0.05);
+        assert!(load_noise(&[timed(&off)]) <= 0.0);
+        let few = [timed(&[]), timed(&[1.0]), timed(&[f64::NAN; 3])];
+        assert!(load_noise(&few) <= 0.0);
         assert!(load_noise(&[]) <= 0.0);
     }
 

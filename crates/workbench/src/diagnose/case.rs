@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use inference::data::Data;
-use inference::instruments::{contradictions, estimate, load_noise};
+use inference::instruments::{Series, contradictions, estimate, load_noise};
 use inference::problem::{Catalogue, Problem};
 use inference::record::{CHANNELS, Instruments, RawRecord};
 use inference::units::PlantUnits;
@@ -433,7 +433,10 @@ pub(crate) fn clean(
         }
     }
     let noise_of = |force: fn(&RawRecord) -> &Vec<f64>| {
-        let forces: Vec<&[f64]> = learned.iter().map(|run| force(run).as_slice()).collect();
+        let forces = learned.iter();
+        let forces: Vec<Series> = forces
+            .map(|run| (run.time.as_slice(), force(run).as_slice()))
+            .collect();
         known_noise.unwrap_or_else(|| load_noise(&forces))
     };
     let noise = [

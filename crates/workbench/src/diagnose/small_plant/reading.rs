@@ -62,8 +62,8 @@ pub fn read(
             .series(Quantity::Connected)?
             .unwrap_or(vec![1.0; motion.len()]);
     }
-    // A free swing is compared as a whole; where an FMU rests, its pursuit tells.
-    if !matches!(model.model.kind, Kind::Pendulum | Kind::Fmu) {
+    // A free swing is compared as a whole, a contact's law says how it sticks, and where an FMU rests, its pursuit tells.
+    if matches!(model.model.kind, Kind::Drive | Kind::Balance | Kind::Joint) {
         let measurement = &model.measurement;
         let cut_off = measurement
             .compare_low_pass
