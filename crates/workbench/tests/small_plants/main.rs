@@ -18,8 +18,8 @@ use workbench::diagnose::small_plant::finding::SmallFinding;
 
 use crate::common::{library, stickslip};
 use crate::records::{
-    ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, loaded, multiplied,
-    pendulum, pendulum_read, resized,
+    ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, driven, loaded,
+    multiplied, pendulum, pendulum_read, resized, stopping,
 };
 
 struct Place {
@@ -70,6 +70,33 @@ fn names(found: &SmallFinding) -> Vec<&str> {
         .iter()
         .map(|effect| effect.name.as_str())
         .collect()
+}
+
+#[test]
+fn a_drive_that_stops_and_goes_lacks_nothing() {
+    let standstill = DRIVE.replace("edge = 0.2", "edge = 0.2\nstandstill_speed = 0.01");
+    let model = format!("{standstill}[coulomb_friction]\nforce = 11.0\n");
+    let place = Place::new(&model, &stopping(1), &stopping(2));
+    let (found, text) = place.diagnosed(0);
+    assert_eq!(found.finding.verdict, VerdictName::NothingMissing, "{text}");
+    let force = &found.finding.parameters["coulomb_friction.force"];
+    assert!((force.value / 12.0 - 1.0).abs() < 0.02, "{force:?}");
+    let fast = standstill.replace("standstill_speed = 0.01", "standstill_speed = 0.3");
+    let (code, text) = Place::new(&fast, &stopping(1), &stopping(2)).run("diagnose", &[]);
+    assert!(
+        code == 2 && text.contains("standstill_speed = 0.3"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_dead_zone_of_a_drive_is_told_over_its_force() {
+    let zone = |force: f64| force + 5.0 * force.signum();
+    let place = Place::new(DRIVE, &driven(0.0, zone, 1), &driven(0.0, zone, 2));
+    let (found, text) = place.diagnosed(1);
+    assert_eq!(found.finding.verdict, VerdictName::NotInCatalogue, "{text}");
+    let disagreement = &found.finding.structure[0];
+    assert_eq!(disagreement.coordinate, "driving_input", "{text}");
 }
 
 #[test]

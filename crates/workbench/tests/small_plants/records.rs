@@ -26,6 +26,11 @@ offset = 0.0
 
 /// A drive's record: inertia 10 kg, viscous friction 20 N s/m, dry friction as given.
 pub fn drive(dry: f64, seed: u64) -> String {
+    driven(dry, |force| force, seed)
+}
+
+/// The same where the recorded force is a function of the one that acts.
+pub fn driven(dry: f64, recorded: impl Fn(f64) -> f64, seed: u64) -> String {
     let mut random = Random::new(seed);
     let phase = TAU * random.uniform();
     let mut text = String::from("t,x,volt\n");
@@ -39,17 +44,46 @@ pub fn drive(dry: f64, seed: u64) -> String {
             v += size * rate * angle.cos();
             a -= size * rate * rate * angle.sin();
         }
-        let force = 10.0 * a + 20.0 * v + dry * f64::signum(v) + 0.4 * random.normal();
+        let force = recorded(10.0 * a + 20.0 * v + dry * f64::signum(v)) + 0.4 * random.normal();
         let reading = x + 1e-6 * random.normal();
-        let _ = writeln!(
-            text,
-            "{:.1},{:.6},{:.6}",
-            1e3 * time,
-            1e3 * reading,
-            force / 4.0
-        );
+        line(&mut text, time, reading, force);
     }
     text
+}
+
+/// A record of the same drive that stops and goes; while it rests, its dry friction of 12 N takes a force that changes.
+pub fn stopping(seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let phase = TAU * random.uniform();
+    let mut text = String::from("t,x,volt\n");
+    let rate = TAU * 0.4;
+    let mut x = 0.0;
+    for at in 0..6000 {
+        let time = f64::from(at) * 0.004;
+        let (sine, cosine) = (rate * time + phase).sin_cos();
+        let beyond = (sine.abs() - 0.4).max(0.0);
+        let v = 0.3 * beyond * beyond * sine.signum();
+        let a = 0.6 * beyond * rate * cosine;
+        x += 0.004 * v;
+        let friction = if v == 0.0 {
+            9.0 * (7.0 * time).sin()
+        } else {
+            12.0 * v.signum()
+        };
+        let force = 10.0 * a + 20.0 * v + friction + 0.1 * random.normal();
+        line(&mut text, time, x - 0.002 * v, force);
+    }
+    text
+}
+
+fn line(text: &mut String, time: f64, position: f64, force: f64) {
+    let _ = writeln!(
+        text,
+        "{:.1},{:.6},{:.6}",
+        1e3 * time,
+        1e3 * position,
+        force / 4.0
+    );
 }
 
 pub const CONTACT: &str = r#"

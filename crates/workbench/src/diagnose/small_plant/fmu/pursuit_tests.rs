@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use super::pursuit::{Pursued, PursuedPort, pursue};
+use super::pursuit::{Pursued, PursuedPort, pursue, substeps};
 use crate::component::{Component, ComponentError, Variable};
 
 const MASSES: [f64; 2] = [1.0, 2.0];
@@ -113,5 +113,14 @@ fn the_force_at_each_port_is_what_moves_it_against_the_other() {
                 own.force[at]
             );
         }
+    }
+}
+
+#[test]
+fn as_many_steps_lie_before_a_sample_as_behind_it() {
+    for cut_off in [0.1, 0.75, 1.5, 3.0, 4.1] {
+        let (count, step) = substeps(0.02, cut_off);
+        assert!(count > 0 && count % 2 == 0, "{count}");
+        assert!((count as f64 * step / 0.02 - 1.0).abs() < 1e-12, "{step}");
     }
 }
