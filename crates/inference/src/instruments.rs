@@ -148,29 +148,30 @@ fn resolution(records: &[&[f64]]) -> Option<f64> {
     let rounding = rounding(&levels, largest);
     let of_changes = gap(changes(records));
     let of_levels = gap(levels);
-    let smallest = match (of_levels, of_changes) {
-        (Some(a), Some(b)) => Some(a.min(b)),
-        (a, b) => a.or(b),
-    };
-    smallest.map(|gap| gap.max(rounding))
+    // A change is that of two rounded readings: where it differs by less from another, rounding is all that it tells.
+    match (of_levels, of_changes) {
+        (Some(levels), Some(changes)) => Some(levels.min(changes.max(rounding))),
+        (levels, changes) => levels.or(changes),
+    }
 }
 
 /// Unit to which the largest readings are rounded: that of their last decimal, or of numbers of 32 bits. Where so many significant
 /// digits are written, or so many bits, small readings have finer ones.
 fn rounding(levels: &[f64], largest: f64) -> f64 {
-    let is_short =
-        |x: &f64| (*x as f32).to_string().parse() == Ok(*x) || f64::from(*x as f32) == *x;
-    if levels.iter().all(is_short) {
-        return largest * f64::from(f32::EPSILON);
-    }
+    let short = |x: f64| x as f32;
+    let is_short = |x: &f64| short(*x).to_string().parse() == Ok(*x) || f64::from(short(*x)) == *x;
+    let of_bits = match levels.iter().all(is_short) {
+        true => largest * f64::from(f32::EPSILON),
+        false => 0.0,
+    };
     let decimals = |x: &f64| {
-        x.to_string()
-            .split_once('.')
-            .map_or(0, |(_, own)| own.len())
+        let text = x.to_string();
+        text.split_once('.').map_or(0, |(_, own)| own.len())
     };
     let as_large = 10f64.powf(largest.log10().floor());
     let large = levels.iter().filter(|x| x.abs() >= as_large);
-    10f64.powi(-(large.map(decimals).max().unwrap_or(0) as i32))
+    let of_decimals = 10f64.powi(-(large.map(decimals).max().unwrap_or(0) as i32));
+    of_bits.max(of_decimals)
 }
 
 /// Sizes of all changes from one reading to the next.
