@@ -21,7 +21,7 @@ use stickslip::body::{Dimension, Kind};
 use stickslip::parameter::Provenance;
 
 /// Share of what is left that a free function of one coordinate may explain before something counts as missing still: most of it.
-pub const STRUCTURED: f64 = 0.5;
+pub(super) const STRUCTURED: f64 = 0.5;
 
 /// The finding of what naming came to.
 #[must_use]
