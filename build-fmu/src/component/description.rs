@@ -57,6 +57,8 @@ pub struct Description {
     pub token: String,
     /// Whether it takes communication steps of any length.
     pub takes_any_step: bool,
+    /// Its own step, or else its usual one, where it states either [s]: some FMUs take multiples of it alone.
+    pub own_step: Option<f64>,
     /// The variables in the order of the file.
     pub variables: Vec<Variable>,
 }
@@ -130,6 +132,10 @@ impl Description {
                 variable.role = Role::Other;
             }
         }
+        let fixed = interface.attribute("fixedInternalStepSize");
+        let experiment = child(root, "DefaultExperiment");
+        let usual = experiment.and_then(|node| node.attribute("stepSize"));
+        let own_step = fixed.or(usual);
         Ok(Self {
             version,
             model_name: root.attribute("modelName").unwrap_or_default().to_owned(),
@@ -143,6 +149,9 @@ impl Description {
                 interface.attribute("canHandleVariableCommunicationStepSize"),
                 Some("true" | "1")
             ),
+            own_step: own_step
+                .and_then(|step| step.parse().ok())
+                .filter(|step| f64::is_normal(*step) && *step > 0.0),
             variables,
         })
     }

@@ -36,7 +36,7 @@ fn pursued() -> Motion {
         slopes: vec![wave(count, 4.0), wave(count, 7.0)],
         nominal: vec![0.1; count],
         inertia: 1.5,
-        sense: 1.0,
+        inertia_at_once: 1.2,
         inertia_slopes: vec![0.3, -0.2],
         delayed: vec![vec![0.0; count]],
         offsets: Vec::new(),

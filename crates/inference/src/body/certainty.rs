@@ -11,8 +11,8 @@ use stickslip::parameter::Range;
 
 /// How certain the numbers of a set's effects are.
 pub struct Certainty {
-    /// The effects whose size has zero in its 95 % interval, and those with widths all of which have: over a width of any size nothing
-    /// changes, so that a plainer effect explains as much. Where one is told, another may be too small for the records: friction that
+    /// The effects whose size has zero in its 95 % interval, and those with widths all of which have: over a width of any size, or
+    /// one far beyond what the records cover, nothing changes, so that a plainer effect explains as much. Where one is told, another may be too small for the records: friction that
     /// sets in at a known moment may do so at once. Of a law, all numbers must be told.
     pub unneeded: Vec<&'static str>,
     /// Log of the share of their usual values that places and widths may still have, by Laplace's method: what it costs that they could
@@ -56,10 +56,11 @@ impl Certainty {
                 let is_positive = parameter.range == Range::Positive;
                 match numbers.get(number) {
                     Some(Number::Amplitude { origin, .. }) => sizes.push(differs(number, *origin)),
-                    Some(Number::Shape { scale, .. }) => {
+                    Some(Number::Shape { scale, bounds, .. }) => {
                         let error = half_width(number).map_or(*scale, |half| half / SURELY);
                         certainty.price += (error / scale).min(1.0).ln();
-                        widths.extend(is_positive.then(|| differs(number, 0.0)));
+                        let is_within = terms[at].values[number] < bounds.1;
+                        widths.extend(is_positive.then(|| is_within && differs(number, 0.0)));
                     }
                     Some(Number::Phase) => {}
                     None => is_whole &= !is_positive || differs(number, 0.0),

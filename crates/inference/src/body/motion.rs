@@ -79,11 +79,11 @@ pub struct Pursuit {
     pub slopes: Vec<Vec<f64>>,
     /// The same times those values, summed [N or N m].
     pub nominal: Vec<f64>,
-    /// Inertia at the port [kg or kg m²].
+    /// Inertia that the port shows at the frequency up to which forces are compared [kg or kg m²]: that of most of the noise.
     pub inertia: f64,
-    /// 1 where a positive input at the port pushes forward, −1 where it pushes backward.
-    pub sense: f64,
-    /// How the inertia grows with each uncertain parameter.
+    /// The same at the first instant; negative where a positive input at the port pushes backward.
+    pub inertia_at_once: f64,
+    /// How [`Self::inertia`] grows with each uncertain parameter.
     pub inertia_slopes: Vec<f64>,
     /// By how much it falls as the motion at each port is read later [N/s or N m/s].
     pub delayed: Vec<Vec<f64>>,
@@ -102,7 +102,7 @@ pub struct Scales {
     pub acceleration: f64,
     /// Force beyond what was predicted [N or N m]; of a free swing its acceleration [rad/s²].
     pub force: f64,
-    /// Period of the motion [s]: that of a sine with this speed and acceleration.
+    /// Period of the motion [s]: that of a sine with this acceleration and the speed about its mean.
     pub period: f64,
     /// Length of the longest record [s].
     pub duration: f64,
@@ -213,6 +213,30 @@ impl Motion {
         self.tells = tells;
     }
 
+    /// The same where what drives it takes effect a share of a sample later than it is read: for so long it is the reading before, or the
+    /// next one where the share is negative.
+    #[must_use]
+    pub fn driven_later(&self, share: f64) -> Self {
+        let mean = |series: &[f64]| -> Vec<f64> {
+            let last = series.len().saturating_sub(1);
+            let other = |at: usize| {
+                if share > 0.0 {
+                    at.saturating_sub(1)
+                } else {
+                    (at + 1).min(last)
+                }
+            };
+            let mixed = |(at, own): (usize, &f64)| own + share.abs() * (series[other(at)] - own);
+            series.iter().enumerate().map(mixed).collect()
+        };
+        Self {
+            force: mean(&self.force),
+            voltage: mean(&self.voltage),
+            driving: mean(&self.driving),
+            ..self.clone()
+        }
+    }
+
     /// Whether less than a tenth of it says something of the forces.
     #[must_use]
     pub fn hardly_moves(&self) -> bool {
@@ -256,8 +280,12 @@ impl Scales {
                 .collect()
         };
         let position = over(|m| &m.position);
-        let mean = position.iter().sum::<f64>() / position.len().max(1) as f64;
-        let about: Vec<f64> = position.iter().map(|x| x - mean).collect();
+        let velocity = over(|m| &m.velocity);
+        let about = |series: &[f64]| -> f64 {
+            let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
+            let about: Vec<f64> = series.iter().map(|x| x - mean).collect();
+            root_mean_square(&about)
+        };
         let acceleration = root_mean_square(&over(|m| &m.acceleration));
         let unexplained: Vec<f64> = over(|m| &m.force)
             .iter()
@@ -265,12 +293,11 @@ impl Scales {
             .map(|(force, predicted)| force - predicted)
             .collect();
         let force = root_mean_square(&unexplained);
-        let speed = root_mean_square(&over(|m| &m.velocity));
         let voltage = root_mean_square(&over(|m| &m.voltage));
         Self {
-            position: root_mean_square(&about),
-            speed,
-            period: TAU * speed / acceleration,
+            position: about(&position),
+            speed: root_mean_square(&velocity),
+            period: TAU * about(&velocity) / acceleration,
             duration: records.iter().map(Motion::seconds).fold(0.0, f64::max),
             acceleration,
             voltage: if voltage > 0.0 { voltage } else { 1.0 },

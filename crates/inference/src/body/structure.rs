@@ -1,4 +1,4 @@
-//! Where a model leaves structure: a free function of one coordinate after the other, judged on what it was not fitted to.
+//! Where a model leaves structure: a free function of each coordinate and of each two of them, judged on what it was not fitted to.
 
 use std::f64::consts::TAU;
 
@@ -11,6 +11,8 @@ use stickslip::body::Path;
 
 /// Values of the free function over a coordinate, at quantiles.
 const BINS: usize = 16;
+/// The same over each of two coordinates.
+const BINS_OF_TWO: usize = 8;
 /// The same over the angle within a turn, where teeth, poles and rollers repeat many times.
 const BINS_OF_A_TURN: usize = 64;
 
@@ -116,6 +118,17 @@ pub const COORDINATES: &[Coordinate] = &[
     },
 ];
 
+/// Coordinates that stand in pairs, where two explain surely more than either alone; the others are made of these. Acceleration does not:
+/// its noise is most of that of the force, and beside another coordinate it would be seen.
+const SINGLE: &[&str] = &[
+    "velocity",
+    "position",
+    "time",
+    "load",
+    "driving_input",
+    "predicted_force",
+];
+
 /// Angle of the plane of velocity and acceleration, each over its usual size; zero where the speed is highest.
 fn phase_angle(compared: &Compared, scales: &Scales) -> f64 {
     let direction = compared.sample.direction;
@@ -130,8 +143,8 @@ fn phase_angle(compared: &Compared, scales: &Scales) -> f64 {
 /// Structure that is left, with the share of the residuals' square that it explains.
 #[derive(Debug, Clone)]
 pub struct Left {
-    /// The coordinate.
-    pub coordinate: &'static str,
+    /// The coordinate, or two of them with "and" between.
+    pub coordinate: String,
     /// What a free function of it gains.
     pub gain: Gain,
     /// Share of the residuals' square, on what the function was not fitted to.
@@ -170,27 +183,37 @@ fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
     let known = balance.prior(model).iter().map(|r| r * r).sum();
     let before = Errors::of(&residuals, known);
     let total: f64 = before.pieces.iter().sum();
-    let mut all: Vec<Left> = COORDINATES
-        .iter()
-        .filter(|own| own.is_along(model.path))
-        .filter_map(|coordinate| {
-            let values: Vec<f64> = compared
-                .iter()
-                .map(|c| (coordinate.of)(c, scales))
-                .collect();
-            let bins = bins(&values, coordinate.bins)?;
-            let after = Errors::of(&left_out(&compared, &bins, &fold_of, &lengths), known);
-            let gain = after.gain_over(&before);
-            let share = 1.0 - after.pieces.iter().sum::<f64>() / total;
-            Some(Left {
-                coordinate: coordinate.name,
-                gain,
-                share,
-                port: 0,
-                errors: after,
-            })
+    let left = |coordinate: String, bins: &[usize]| {
+        let errors = Errors::of(&left_out(&compared, bins, &fold_of, &lengths), known);
+        Left {
+            coordinate,
+            gain: errors.gain_over(&before),
+            share: 1.0 - errors.pieces.iter().sum::<f64>() / total,
+            port: 0,
+            errors,
+        }
+    };
+    let known_here = COORDINATES.iter().filter(|own| own.is_along(model.path));
+    let over: Vec<(&Coordinate, Vec<f64>, Left)> = known_here
+        .filter_map(|own| {
+            let values: Vec<f64> = compared.iter().map(|c| (own.of)(c, scales)).collect();
+            let found = left(own.name.to_owned(), &bins(&values, own.bins)?);
+            Some((own, values, found))
         })
         .collect();
+    let mut all: Vec<Left> = over.iter().map(|(.., found)| found.clone()).collect();
+    for (at, (first, of_first, alone)) in over.iter().enumerate() {
+        for (second, of_second, also_alone) in &over[at + 1..] {
+            if SINGLE.contains(&first.name) && SINGLE.contains(&second.name) {
+                let name = format!("{} and {}", first.name, second.name);
+                let found = left(name, &bins_of_two(of_first, of_second));
+                let more = |than: &Left| found.errors.gain_over(&than.errors).is_sure();
+                if more(alone) && more(also_alone) {
+                    all.push(found);
+                }
+            }
+        }
+    }
     all.sort_by(|a, b| b.gain.value.total_cmp(&a.gain.value));
     all
 }
@@ -211,6 +234,25 @@ fn bins(values: &[f64], count: usize) -> Option<Vec<usize>> {
             .map(|value| limits.partition_point(|limit| limit <= value))
             .collect(),
     )
+}
+
+/// Bin of each pair of values: bins between quantiles of the first, and in each of them between quantiles of the second.
+fn bins_of_two(first: &[f64], second: &[f64]) -> Vec<usize> {
+    let one = |values: &[f64]| bins(values, BINS_OF_TWO).unwrap_or_else(|| vec![0; values.len()]);
+    let mut all = one(first);
+    for outer in 0..BINS_OF_TWO {
+        let (places, values): (Vec<usize>, Vec<f64>) = all
+            .iter()
+            .zip(second)
+            .enumerate()
+            .filter(|(_, (bin, _))| **bin == outer)
+            .map(|(at, (_, value))| (at, *value))
+            .unzip();
+        for (place, inner) in places.into_iter().zip(one(&values)) {
+            all[place] = outer + BINS_OF_TWO * inner;
+        }
+    }
+    all
 }
 
 /// Residuals piece by piece after subtracting the means of the bins over the other folds.

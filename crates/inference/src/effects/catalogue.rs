@@ -86,7 +86,7 @@ pub const EFFECTS: &[Effect] = &[
         "gear_ripple",
         "torque",
         Base::MotorTorque,
-        &[1.0, 2.0, 4.0, 6.0],
+        &[1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 24.0],
         &[],
     ),
     one(

@@ -20,7 +20,7 @@ use inference::sets::{EffectSet as _, Verdict, is_told};
 use stickslip::body::{Dimension, Kind};
 use stickslip::parameter::Provenance;
 
-/// Share of what is left that a free function of one coordinate may explain before something counts as missing still: most of it.
+/// Share of what is left that a free function of one coordinate or two may explain before something counts as missing still: most of it.
 pub(super) const STRUCTURED: f64 = 0.5;
 
 /// The finding of what naming came to.
@@ -106,18 +106,25 @@ fn ranked(name: String, set: &Candidate, other: &Candidate) -> Ranked {
 pub fn described(case: &SmallCase, base: &Fit, last: &Fit) -> SmallFinding {
     let balance = balance(case);
     let ports = case.model.port_names();
-    let before = structures(&balance, &base.model, &case.scales, ports.len());
-    let after = structures(&balance, &last.model, &case.scales, ports.len());
+    let left = |of: &Fit| structures(&balance, &of.model, &case.scales, ports.len());
+    let (before, after) = (left(base), left(last));
     let share_left = after
         .iter()
         .filter(|left| left.gain.is_sure())
         .map(|left| left.share)
         .fold(0.0, f64::max);
     let explained = Errors::left_out(&balance, last, &case.scales);
-    let is_outdone = before.iter().any(|free| {
-        let there = explained.part(&balance.pieces_at(free.port));
-        free.errors.gain_over(&there).is_sure()
-    });
+    // Refitted without each part, the analyst's numbers would lose what the function keeps.
+    let is_same_model = last.model.terms().len() == base.model.terms().len();
+    // A joint's effects were fitted to runs, and a function of forces says nothing against them.
+    let is_outdone = case.kind() != Kind::Joint
+        && before.iter().any(|free| {
+            if is_same_model {
+                return free.gain.is_sure();
+            }
+            let there = explained.part(&balance.pieces_at(free.port));
+            free.errors.gain_over(&there).is_sure()
+        });
     let (effects, parameters) = numbers(case, &polished(case, last));
     let verdict = match is_outdone || share_left > STRUCTURED {
         true => VerdictName::NotInCatalogue,
@@ -169,7 +176,7 @@ fn disagreement(case: &SmallCase, left: &Left) -> Disagreement {
     let ports = case.model.port_names();
     let gain = left.gain;
     Disagreement {
-        coordinate: left.coordinate.to_owned(),
+        coordinate: left.coordinate.clone(),
         equation: (*ports.get(left.port).unwrap_or(&equation)).to_owned(),
         band: None,
         gain: gain.value,
@@ -289,7 +296,7 @@ pub fn amended_text(case: &SmallCase, found: &SmallFinding) -> Result<String, St
         for (at, port) in ports.ports.iter_mut().enumerate() {
             let mut there = case.records.iter().filter(|own| own.port == at);
             let known = there.find_map(|own| own.pursuit.as_ref());
-            port.inertia = known.map(|known| known.sense * known.inertia);
+            port.inertia = known.map(|known| known.inertia_at_once);
             // A step that a person chose stays.
             port.coupling_step.get_or_insert(chased.step());
         }

@@ -24,17 +24,23 @@ use crate::diagnose::material::Material;
 use crate::diagnose::report::FILE as REPORT;
 use crate::files::atomic;
 use crate::outcome::Outcome;
+use inference::body::evidence::Errors;
+use inference::body::least_squares::Fit;
 use inference::body::model::Model;
 use inference::body::naming::{
     MOST_EFFECTS, Naming, fit_base, fit_with, name as name_effects, shows,
 };
+use inference::body::problem::{Problem, square};
 use inference::body::swing::Swing;
 use inference::body::term::Entry;
+use inference::policy::{LN_PRIOR_ODDS, sure_odds};
 use inference::sets::is_same;
 use stickslip::body::Kind;
 
 /// How a note begins that tells which FMUs there are.
 const FMUS: &str = "FMUs of the amended model";
+/// The effect of readings that come late.
+const DELAY: &str = "sensor_delay";
 /// Most times that effects are named anew.
 const MOST_ROUNDS: usize = 4;
 
@@ -218,6 +224,11 @@ fn named_finding(
             break;
         }
     }
+    if let Some(shifted) = shifted(case, &naming) {
+        *case = shifted;
+        progress("the same with what drives the plant a part of a sample later");
+        naming = names(case, &open, most, progress);
+    }
     progress("numbers and their intervals");
     let mut found = named(case, &naming);
     found.finding.notes.extend(hidden.iter().map(|entry| {
@@ -236,14 +247,63 @@ fn names(
     most: usize,
     progress: &mut dyn FnMut(&str),
 ) -> Naming {
-    let open = (open, most);
-    let (forces, scales) = (balance(case), &case.scales);
-    if case.kind() != Kind::Joint {
-        return name_effects(&forces, &case.model.model, scales, open, progress);
+    let (model, scales) = (&case.model.model, &case.scales);
+    name_effects(
+        problem(case).as_ref(),
+        model,
+        scales,
+        (open, most),
+        progress,
+    )
+}
+
+/// What sets of effects are fitted to. Where a joint sticks and for how long tells more of its friction than the forces while it moves.
+fn problem(case: &SmallCase) -> Box<dyn Problem> {
+    match case.kind() {
+        Kind::Joint => Box::new(Swing::pieces(
+            &case.records,
+            &case.model.measurement,
+            &case.scales,
+        )),
+        _ => Box::new(balance(case)),
     }
-    // Where a joint sticks and for how long tells more of its friction than the forces while it moves.
-    let runs = Swing::pieces(&case.records, &case.model.measurement, scales);
-    name_effects(&runs, &case.model.model, scales, open, progress)
+}
+
+/// The case with force or voltage that takes effect a part of a sample later or earlier, as where a controller holds it between its own
+/// samples, where that explains the records better: by itself, or without the delay that stood in for it.
+fn shifted(case: &SmallCase, naming: &Naming) -> Option<SmallCase> {
+    let best = naming.best();
+    if !matches!(case.kind(), Kind::Drive | Kind::Joint) {
+        return None;
+    }
+    let model = best.fit.model.without_effect(DELAY);
+    let later = |share: f64| SmallCase {
+        records: case
+            .records
+            .iter()
+            .map(|own| own.driven_later(share))
+            .collect(),
+        held_out: case.held_out.driven_later(share),
+        ..case.clone()
+    };
+    let fitted = |case: &SmallCase| fit_base(&balance(case), &model, &case.scales);
+    let misfit = |share: f64| square(&fitted(&later(share)).residuals);
+    // Residuals go straight with the share, so that their squares lie on a parabola.
+    let [before, none, after] = [-0.5, 0.0, 0.5].map(misfit);
+    let bend = before - 2.0 * none + after;
+    let share = (0.25 * (before - after) / bend).clamp(-0.5, 0.5);
+    let mut moved = later(share);
+    let errors = |case: &SmallCase, fit: &Fit| Errors::left_out(&balance(case), fit, &case.scales);
+    let own = fit_base(&balance(case), &best.fit.model, &case.scales);
+    let gain = errors(&moved, &fitted(&moved)).gain_over(&errors(case, &own));
+    let fewer = best.names.contains(&DELAY);
+    let prior = if fewer { -LN_PRIOR_ODDS } else { 0.0 };
+    (bend > 0.0 && gain.odds(prior) > sure_odds()).then(|| {
+        moved.notes.push(format!(
+            "what drives the plant takes effect {share:.2} of a sampling interval after its reading, as where a controller holds it; it was read so"
+        ));
+        moved
+    })
 }
 
 fn located(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {

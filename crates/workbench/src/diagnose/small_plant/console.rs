@@ -47,7 +47,7 @@ pub fn answer(found: &SmallFinding) -> Vec<String> {
                 .filter(|_| share > STRUCTURED)
             {
                 lines.push(format!(
-                    "What is left is structured over the {}: a free function of one coordinate explains {} of it.",
+                    "What is left is structured over the {}: a free function explains {} of it.",
                     readable(&place.coordinate),
                     percent(share)
                 ));

@@ -25,7 +25,7 @@ pub struct Course {
     pub quantity: String,
     /// Unit of `rmse`.
     pub unit: String,
-    /// Share of what is left that a free function of one coordinate explains, on what it was not fitted to.
+    /// Share of what is left that a free function of one coordinate or two explains, on what it was not fitted to.
     pub share_left: f64,
     /// The effects of the best set, each with the set's gain over what is left without it.
     pub gains: Vec<Ranked>,

@@ -1,5 +1,6 @@
 //! The force that an FMU lacks on each record, and how it changes with what is uncertain.
 
+use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
@@ -7,6 +8,7 @@ use thiserror::Error;
 
 use super::plant::{Plant, PlantError};
 use super::pursuit::{Pursuit, substeps};
+use super::swing;
 use super::worker::{self, WorkerError};
 use inference::body::motion::{Motion, Pursuit as Known, root_mean_square};
 
@@ -64,10 +66,14 @@ enum Variation {
     Read(usize, f64),
     /// The column of an input is larger by a part of its usual size.
     Offset(usize),
+    /// The motion swings a little more, everything as it is or with one parameter a deviation larger.
+    Swung(Option<usize>),
 }
 
 /// Part of its root mean square by which a column is made larger to see what that does.
 const OFFSET: f64 = 0.01;
+/// Periods of that swing while the plant moves, after which a run has told what it does.
+const SWINGS: f64 = 50.0;
 
 impl Chased {
     /// The shortest step in which the FMU runs after a record [s].
@@ -77,7 +83,7 @@ impl Chased {
         let fastest = own.fold(self.cut_off, f64::max);
         let steps = self.records.iter();
         steps
-            .map(|own| substeps(own.motions[0].interval, fastest).1)
+            .map(|own| substeps(own.motions[0].interval, fastest, self.plant.own_step).1)
             .fold(f64::INFINITY, f64::min)
     }
 
@@ -98,6 +104,8 @@ impl Chased {
             .chain((0..deviations.len()).map(Variation::Parameter))
             .chain(places.flat_map(|at| [Variation::Read(at, 1.0), Variation::Read(at, -1.0)]))
             .chain(self.plant.offsets().map(Variation::Offset))
+            .chain([Variation::Swung(None)])
+            .chain((0..deviations.len()).map(|own| Variation::Swung(Some(own))))
             .collect();
         let count = variations.len();
         progress(&format!(
@@ -117,15 +125,18 @@ impl Chased {
                 let mut values = parameters.to_vec();
                 let mut delays = delays.to_vec();
                 let mut offset = None;
+                let is_swung = matches!(variations[at % count], Variation::Swung(_));
                 match variations[at % count] {
-                    Variation::None => {}
-                    Variation::Parameter(own) => values[own] += deviations[own],
+                    Variation::None | Variation::Swung(None) => {}
+                    Variation::Parameter(own) | Variation::Swung(Some(own)) => {
+                        values[own] += deviations[own];
+                    }
                     Variation::Read(place, samples) => {
                         delays[place] += samples * record.motions[place].interval;
                     }
                     Variation::Offset(input) => offset = Some((input, record.offset(input))),
                 }
-                let pursuit = self.pursuit(record, &values, &delays, offset);
+                let pursuit = self.pursuit(record, &values, &delays, offset, is_swung);
                 if pursuit.is_err() {
                     has_failed.store(true, Ordering::Relaxed);
                 }
@@ -137,9 +148,11 @@ impl Chased {
         let mut all = Vec::new();
         for (record, found) in self.records.iter().zip(found.chunks(count)) {
             for place in 0..record.motions.len() {
-                let known = (parameters, delays);
-                let motion = moved(record, place, found, &variations, known, &deviations);
-                all.push(self.checked(motion)?);
+                let found: Vec<&Pursuit> = found.iter().map(|ports| &ports[place]).collect();
+                let mut motion = self.moved(record, place, found[0])?;
+                motion.pursuit =
+                    Some(self.known(record, &motion, (parameters, delays), &variations, &found));
+                all.push(motion);
             }
         }
         Ok(all)
@@ -152,10 +165,19 @@ impl Chased {
         parameters: &[f64],
         delays: &[f64],
         offset: Option<(usize, f64)>,
+        is_swung: bool,
     ) -> Result<Vec<Pursuit>, WorkerError> {
-        let pursued = self
+        let mut pursued = self
             .plant
             .pursued(record, parameters, delays, offset, self.cut_off);
+        if is_swung {
+            let enough = self.enough(record);
+            for (place, port) in pursued.ports.iter_mut().enumerate() {
+                port.measured_position.truncate(enough);
+                port.measured_velocity.truncate(enough);
+                swing::add(port, self.swing(place), pursued.interval);
+            }
+        }
         let found = worker::run(&self.plant.file, pursued, &record.motions[0].name)?;
         let against = |pursuit: Pursuit| {
             let against = -pursuit.inertia.signum();
@@ -167,11 +189,47 @@ impl Chased {
         Ok(found.into_iter().map(against).collect())
     }
 
-    /// Refuses a record in which the plant hardly moves; finds where it does.
-    fn checked(&self, mut motion: Motion) -> Result<Motion, MissingError> {
-        let own = self.plant.places.get(motion.port);
-        let cut_off = own.and_then(|place| place.cut_off).unwrap_or(self.cut_off);
+    /// Frequency up to which the force at a port is compared [Hz].
+    fn cut_off(&self, place: usize) -> f64 {
+        self.plant.places[place].cut_off.unwrap_or(self.cut_off)
+    }
+
+    /// Angular frequency at which the motion at a port swings more [rad/s]: at its cut-off, or below it for further ports, so that a
+    /// force tells which of them it answers.
+    fn swing(&self, place: usize) -> f64 {
+        let part = place as f64 / self.plant.places.len() as f64;
+        TAU * self.cut_off(place) * (1.0 - 0.5 * part)
+    }
+
+    /// Samples after which the motion at each port has swung often enough while it says something of the forces.
+    fn enough(&self, record: &Recorded) -> usize {
+        let of_places = record.motions.iter().enumerate().map(|(place, motion)| {
+            let mut motion = motion.clone();
+            motion.leave_rests_out(self.standstill, self.cut_off(place));
+            let wanted = SWINGS * TAU / (self.swing(place) * motion.interval);
+            let telling = (0..motion.len()).filter(|at| motion.tells[*at]);
+            telling.take(wanted as usize).last().unwrap_or(0) + 2
+        });
+        of_places.max().unwrap_or(0)
+    }
+
+    /// The motion at a port with the force that the FMU lacks there. Refuses a record in which the plant hardly moves.
+    fn moved(
+        &self,
+        record: &Recorded,
+        place: usize,
+        own: &Pursuit,
+    ) -> Result<Motion, MissingError> {
+        let mut motion = record.motions[place].clone();
+        let cut_off = self.cut_off(place);
+        motion.port = place;
         motion.cut_off = Some(cut_off);
+        // What the force was found for: another estimate of the motion has other noise, and a mixture of both has less than either.
+        motion.force.clone_from(&own.force);
+        motion.position.clone_from(&own.position);
+        motion.velocity.clone_from(&own.velocity);
+        motion.acceleration.clone_from(&own.acceleration);
+        motion.load.clone_from(&own.load);
         motion.leave_rests_out(self.standstill, cut_off);
         if motion.hardly_moves() {
             return Err(MissingError::Rests {
@@ -181,6 +239,62 @@ impl Chased {
         }
         Ok(motion)
     }
+
+    /// How the force that the FMU lacks at a port changes with what is uncertain.
+    fn known(
+        &self,
+        record: &Recorded,
+        motion: &Motion,
+        (parameters, delays): (&[f64], &[f64]),
+        variations: &[Variation],
+        found: &[&Pursuit],
+    ) -> Known {
+        let own = found[0];
+        let deviations: Vec<f64> = self.plant.deviations().collect();
+        let frequency = self.swing(motion.port);
+        let slope = |from: &Pursuit, to: &Pursuit, size: f64| -> Vec<f64> {
+            let pairs = from.force.iter().zip(&to.force);
+            pairs.map(|(from, to)| (from - to) / size).collect()
+        };
+        let (mut slopes, mut inertias) = (Vec::new(), Vec::new());
+        let (mut later, mut delayed, mut offsets) = (own, Vec::new(), Vec::new());
+        for (run, variation) in found.iter().zip(variations) {
+            match *variation {
+                Variation::None => {}
+                Variation::Parameter(which) => slopes.push(slope(own, run, deviations[which])),
+                // To both sides: noise of a difference to one side goes against that of the force, and a little of it would pass for a delay.
+                Variation::Read(_, samples) if samples > 0.0 => later = run,
+                Variation::Read(of, _) => {
+                    delayed.push(slope(run, later, 2.0 * record.motions[of].interval));
+                }
+                Variation::Offset(input) => offsets.push(slope(own, run, record.offset(input))),
+                Variation::Swung(None) => {
+                    inertias.push(swing::inertia(motion, own, run, frequency))
+                }
+                Variation::Swung(Some(which)) => {
+                    inertias.push(swing::inertia(motion, found[1 + which], run, frequency));
+                }
+            }
+        }
+        let here = |at: usize| -> f64 {
+            let pairs = parameters.iter().zip(&slopes);
+            pairs.map(|(value, slope)| value * slope[at]).sum()
+        };
+        let grown = inertias[1..].iter().zip(&deviations);
+        Known {
+            at: parameters.to_vec(),
+            at_delays: delays.to_vec(),
+            nominal: (0..motion.len()).map(here).collect(),
+            inertia: inertias[0],
+            inertia_at_once: own.inertia,
+            inertia_slopes: grown
+                .map(|(more, size)| (more - inertias[0]) / size)
+                .collect(),
+            delayed,
+            slopes,
+            offsets,
+        }
+    }
 }
 
 impl Recorded {
@@ -189,68 +303,4 @@ impl Recorded {
         let size = root_mean_square(&self.driven[input]);
         OFFSET * if size > 0.0 { size } else { 1.0 }
     }
-}
-
-/// The motion at a port that a record's pursuits found.
-fn moved(
-    record: &Recorded,
-    place: usize,
-    found: &[Vec<Pursuit>],
-    variations: &[Variation],
-    (parameters, delays): (&[f64], &[f64]),
-    deviations: &[f64],
-) -> Motion {
-    let mut motion = record.motions[place].clone();
-    motion.port = place;
-    let at = |run: usize| &found[run][place];
-    let own = at(0);
-    let slope = |from: &Pursuit, to: &Pursuit, size: f64| -> Vec<f64> {
-        let pairs = from.force.iter().zip(&to.force);
-        pairs.map(|(from, to)| (from - to) / size).collect()
-    };
-    let (mut slopes, mut inertia_slopes) = (Vec::new(), Vec::new());
-    let (mut later, mut delayed, mut offsets) = (None, Vec::new(), Vec::new());
-    for (run, variation) in variations.iter().enumerate() {
-        match *variation {
-            Variation::None => {}
-            Variation::Parameter(which) => {
-                let size = deviations[which];
-                slopes.push(slope(own, at(run), size));
-                inertia_slopes.push((at(run).inertia.abs() - own.inertia.abs()) / size);
-            }
-            // To both sides: noise of a difference to one side goes against that of the force, and a little of it would pass for a delay.
-            Variation::Read(_, samples) if samples > 0.0 => later = Some(run),
-            Variation::Read(of, _) => {
-                if let Some(later) = later {
-                    let interval = record.motions[of].interval;
-                    delayed.push(slope(at(run), at(later), 2.0 * interval));
-                }
-            }
-            Variation::Offset(input) => {
-                offsets.push(slope(own, at(run), record.offset(input)));
-            }
-        }
-    }
-    let here = |at: usize| -> f64 {
-        let pairs = parameters.iter().zip(&slopes);
-        pairs.map(|(value, slope)| value * slope[at]).sum()
-    };
-    motion.pursuit = Some(Known {
-        at: parameters.to_vec(),
-        at_delays: delays.to_vec(),
-        nominal: (0..motion.len()).map(here).collect(),
-        inertia: own.inertia.abs(),
-        sense: own.inertia.signum(),
-        inertia_slopes,
-        delayed,
-        slopes,
-        offsets,
-    });
-    // What the force was found for: another estimate of the motion has other noise, and a mixture of both has less than either.
-    motion.force.clone_from(&own.force);
-    motion.position.clone_from(&own.position);
-    motion.velocity.clone_from(&own.velocity);
-    motion.acceleration.clone_from(&own.acceleration);
-    motion.load.clone_from(&own.load);
-    motion
 }

@@ -14,6 +14,7 @@ mod ports_tests;
 pub mod pursuit;
 #[cfg(test)]
 mod pursuit_tests;
+pub mod swing;
 pub mod template;
 pub mod worker;
 mod wrapped_place;

@@ -25,6 +25,8 @@ pub struct Plant {
     pub notes: Vec<String>,
     /// The places where a force may be missing.
     pub places: Vec<Place>,
+    /// The step that the FMU states, if any [s]: some take multiples of it alone.
+    pub own_step: Option<f64>,
     /// Inputs with the factor from the column to the FMU's unit.
     inputs: Vec<(usize, Input, f64)>,
     /// Variables that take a coordinate of the first sample, with what one of their unit is in SI units.
@@ -163,6 +165,7 @@ impl Plant {
             file: fmu,
             notes: finder.notes,
             places,
+            own_step: finder.description.own_step,
             inputs,
             start,
             parameters,
@@ -235,6 +238,7 @@ impl Plant {
             }
         });
         Pursued {
+            own_step: self.own_step,
             settings,
             inputs: inputs.collect(),
             begin: record.motions[0].begin,

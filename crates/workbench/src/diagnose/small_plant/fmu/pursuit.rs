@@ -38,6 +38,8 @@ pub struct Pursued {
     pub begin: f64,
     /// Time between samples [s].
     pub interval: f64,
+    /// The step that the FMU states, if any [s]: some take multiples of it alone.
+    pub own_step: Option<f64>,
 }
 
 /// A place where a force may be missing, and the motion there.
@@ -200,11 +202,20 @@ fn between(position: [f64; 2], velocity: [f64; 2], interval: f64, part: f64) -> 
 ///
 /// They are even in number: half of them before a sample and half behind it are one interval, over which what a held input does
 /// between samples has no mean. Over a longer stretch it has one, which changes as the input does and passes for a delay.
+///
+/// They are multiples of the step that the FMU states (`own_step` [s]), where the interval is an even multiple of it.
 #[must_use]
-pub fn substeps(interval: f64, cut_off: f64) -> (usize, f64) {
+pub fn substeps(interval: f64, cut_off: f64, own_step: Option<f64>) -> (usize, f64) {
     let pairs = (interval * TAU * BANDWIDTH * cut_off / (2.0 * STEP)).ceil();
-    let count = 2.0 * pairs.max(1.0);
-    (count as usize, interval / count)
+    let least = 2 * (pairs as usize).max(1);
+    let own = own_step.map_or(0.0, |own| interval / own);
+    let is_whole = (own - own.round()).abs() < 1e-6 * own;
+    let own = if is_whole { own.round() as usize } else { 0 };
+    let count = (least..=own)
+        .step_by(2)
+        .find(|count| own % count == 0)
+        .unwrap_or(least);
+    (count, interval / count as f64)
 }
 
 /// The controllers and what they control.
@@ -231,7 +242,7 @@ impl<'a> Chase<'a> {
     fn new(component: &'a mut dyn Component, pursued: &'a Pursued) -> Self {
         let ports = pursued.ports.iter();
         let fastest = ports.clone().map(|port| port.cut_off).fold(0.0, f64::max);
-        let (substeps, step) = substeps(pursued.interval, fastest);
+        let (substeps, step) = substeps(pursued.interval, fastest, pursued.own_step);
         let outputs = ports
             .clone()
             .flat_map(|port| [port.position, port.velocity, port.load]);

@@ -2,8 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+use std::f64::consts::TAU;
+
 use super::pursuit::{Pursued, PursuedPort, pursue, substeps};
+use super::swing;
 use crate::component::{Component, ComponentError, Variable};
+use inference::body::motion::{Measured, Motion};
 
 const MASSES: [f64; 2] = [1.0, 2.0];
 const STIFFNESS: f64 = 30.0;
@@ -77,11 +81,10 @@ fn motion(time: f64) -> [[f64; 3]; 2] {
     [wave(0.1, 5.0), wave(0.3, 3.0)]
 }
 
-#[test]
-fn the_force_at_each_port_is_what_moves_it_against_the_other() {
-    let count = 800;
-    let times = || (0..count).map(|at| f64::from(at) * INTERVAL);
-    let port = |at: usize| PursuedPort {
+/// A record of the motion at a mass, compared up to a frequency [Hz].
+fn port(at: usize, cut_off: f64) -> PursuedPort {
+    let times = || (0..800).map(|at| f64::from(at) * INTERVAL);
+    PursuedPort {
         input: (at, 1.0),
         position: Some((2 + at, 1.0)),
         velocity: Some((4 + at, 1.0)),
@@ -89,20 +92,54 @@ fn the_force_at_each_port_is_what_moves_it_against_the_other() {
         measured_position: times().map(|t| motion(t)[at][0]).collect(),
         measured_velocity: times().map(|t| motion(t)[at][1]).collect(),
         is_absolute: true,
-        cut_off: 8.0,
-    };
-    let pursued = Pursued {
+        cut_off,
+    }
+}
+
+fn pursued(ports: Vec<PursuedPort>) -> Pursued {
+    Pursued {
+        own_step: None,
         settings: Vec::new(),
-        ports: vec![port(0), port(1)],
+        ports,
         inputs: Vec::new(),
         begin: 0.0,
         interval: INTERVAL,
-    };
+    }
+}
+
+#[test]
+fn noise_meets_the_inertia_that_follows_at_the_cut_off() {
+    for cut_off in [1.5, 2.0, 8.0] {
+        let frequency = TAU * cut_off;
+        let calm = pursued(vec![port(0, cut_off)]);
+        let mut swung = calm.clone();
+        swing::add(&mut swung.ports[0], frequency, INTERVAL);
+        let [calm, swung] = [calm, swung].map(|own| {
+            let found = pursue(&mut Masses::default(), &own, &mut |_| {}).unwrap();
+            found.into_iter().next().unwrap()
+        });
+        let position = Measured::Position(calm.position.clone());
+        let motion = Motion::new("run".to_owned(), 0.0, INTERVAL, position, cut_off, 0.0);
+        let found = swing::inertia(&motion, &calm, &swung, frequency);
+        // The second mass on its spring follows the first so much.
+        let follows = STIFFNESS / (STIFFNESS - MASSES[1] * frequency * frequency);
+        let expected = (MASSES[0] + MASSES[1] * follows).abs();
+        assert!(
+            (found / expected - 1.0).abs() < 0.03,
+            "{cut_off} Hz: {found} {expected}"
+        );
+    }
+}
+
+#[test]
+fn the_force_at_each_port_is_what_moves_it_against_the_other() {
+    let pursued = pursued(vec![port(0, 8.0), port(1, 8.0)]);
     let found = pursue(&mut Masses::default(), &pursued, &mut |_| {}).unwrap();
     for (own, mass) in found.iter().zip(MASSES) {
         assert!((own.inertia / mass - 1.0).abs() < 0.02, "{}", own.inertia);
     }
-    for (at, time) in times().enumerate().skip(100).take(600) {
+    for at in 100..700 {
+        let time = at as f64 * INTERVAL;
         let [one, other] = motion(time);
         let spring = STIFFNESS * (one[0] - other[0]);
         let wanted = [MASSES[0] * one[2] + spring, MASSES[1] * other[2] - spring];
@@ -119,8 +156,18 @@ fn the_force_at_each_port_is_what_moves_it_against_the_other() {
 #[test]
 fn as_many_steps_lie_before_a_sample_as_behind_it() {
     for cut_off in [0.1, 0.75, 1.5, 3.0, 4.1] {
-        let (count, step) = substeps(0.02, cut_off);
+        let (count, step) = substeps(0.02, cut_off, None);
         assert!(count > 0 && count % 2 == 0, "{count}");
         assert!((count as f64 * step / 0.02 - 1.0).abs() < 1e-12, "{step}");
     }
+}
+
+#[test]
+fn an_fmu_with_a_step_of_its_own_is_stepped_by_multiples_of_it() {
+    let (count, _) = substeps(0.02, 4.1, None);
+    assert_eq!(count, 8);
+    assert_eq!(substeps(0.02, 4.1, Some(0.001)), (10, 0.002));
+    // The interval is no even multiple of these: the FMU says whether it takes other steps.
+    assert_eq!(substeps(0.02, 4.1, Some(0.003)), (8, 0.0025));
+    assert_eq!(substeps(0.02, 4.1, Some(0.02)), (8, 0.0025));
 }
