@@ -5,7 +5,7 @@ use crate::check::{Check, check};
 use crate::data::BLOCK;
 use crate::fit::Fit;
 use crate::learned::{Learned, friction_over_speed, learn};
-use crate::policy::{LN_PRIOR_ODDS, SURELY};
+use crate::policy::{LN_PRIOR_ODDS, SURELY, is_no_chance};
 use crate::problem::Problem;
 use crate::search::{Candidate, Objection, search};
 pub use crate::sets::Verdict;
@@ -60,6 +60,8 @@ pub struct Diagnosis {
     pub check: Check,
     /// The free function that explains most; looked for where the check failed.
     pub learned: Option<Learned>,
+    /// Whether what was known of the model's numbers before had to be doubted ([`Problem::doubting`]).
+    pub is_doubting: bool,
 }
 
 impl Diagnosis {
@@ -80,8 +82,31 @@ impl Diagnosis {
 }
 
 /// Finds what is missing; `progress` hears of what is being fitted.
+///
+/// An effect can stand in for a number that is further off than the model says, and it takes other numbers along. So where an answer
+/// contradicts what was known of them, the records are asked again with less faith in it.
 #[must_use]
 pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis {
+    let found = diagnose_believing(problem, progress);
+    let is_answer = matches!(found.verdict, Verdict::Named | Verdict::Ambiguous);
+    if !is_answer || !is_no_chance(&found.best.hypothesis.nominal_deviations()) {
+        return found;
+    }
+    let again = diagnose_believing(&problem.doubting(), progress);
+    match again.verdict {
+        Verdict::NotInCatalogue => found,
+        verdict => Diagnosis {
+            verdict: match verdict {
+                Verdict::NothingMissing => Verdict::Parameters,
+                other => other,
+            },
+            is_doubting: true,
+            ..again
+        },
+    }
+}
+
+fn diagnose_believing(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis {
     let found = search(problem, progress);
     progress("what is left");
     let data = &problem.long;
@@ -132,6 +157,7 @@ pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis 
         structure_left,
         check,
         learned,
+        is_doubting: false,
     }
 }
 
@@ -161,11 +187,8 @@ fn probability_of(ranking: &[Rival], effect: &str) -> f64 {
 
 /// Whether any nominal parameter is further off than what is known of it allows to overlook.
 fn moved(fit: &Fit) -> bool {
-    fit.hypothesis
-        .prior_precisions()
-        .iter()
-        .zip(&fit.hypothesis.x)
-        .any(|(p, x)| x * x * p > SURELY * SURELY)
+    let nominal = fit.hypothesis.nominal_deviations();
+    nominal.iter().any(|off| off.abs() > SURELY)
 }
 
 fn ranking(problem: &Problem, candidates: &[Candidate], base: &Candidate) -> Vec<Rival> {

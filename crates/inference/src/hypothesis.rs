@@ -119,6 +119,20 @@ impl Hypothesis {
         precisions
     }
 
+    /// By how many of their standard deviations the nominal parameters are off.
+    #[must_use]
+    pub fn nominal_deviations(&self) -> Vec<f64> {
+        let mut all = Vec::new();
+        let mut at = 0;
+        for free in &self.free {
+            if let Free::Nominal { deviation, .. } = free {
+                all.push(self.x[at] / deviation);
+            }
+            at += free.width();
+        }
+        all
+    }
+
     /// The present value of a free parameter or amplitude; `None` if it is not free.
     #[must_use]
     pub fn value(&self, dotted: &str) -> Option<f64> {

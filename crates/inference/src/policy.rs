@@ -10,6 +10,17 @@ pub const LN_PRIOR_ODDS: f64 = -7.0;
 pub const REPLICAS: u64 = 9;
 /// Probability with which replicas may show as much as the records do, below which it is no chance.
 pub const SIGNIFICANT: f64 = 0.01;
+/// Whether numbers that should be normal, of standard deviation 1, are no chance: one of them is beyond x with a probability below
+/// exp(−x²/2).
+#[must_use]
+pub fn is_no_chance(deviations: &[f64]) -> bool {
+    let limit = (deviations.len() as f64 / SIGNIFICANT).ln();
+    deviations.iter().any(|own| 0.5 * own * own > limit)
+}
+
+/// By how much what is known of a model's numbers is worth less once the records have contradicted it: a belief that is wrong by thirty
+/// standard deviations is one of three then, no surprise any more.
+pub const DOUBT: f64 = 10.0;
 /// Most that one window may tell, in log odds: 20 : 1. What an effect does shows in more than two or three windows.
 pub const MOST_TOLD: f64 = 3.0;
 /// Posterior probability from which on a set of effects is named; below it its rivals are told with it.

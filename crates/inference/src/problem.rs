@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::data::Data;
 use crate::effects::{EFFECTS, Effect};
 use crate::hypothesis::Hypothesis;
+use crate::policy::DOUBT;
 use crate::record::{CHANNELS, Instruments, RawRecord, Run, channel, channel_units};
 use crate::scales::{Scales, mean_load};
 use crate::units::PlantUnits;
@@ -138,6 +139,32 @@ impl Problem {
         Self {
             long: thinned(&self.long, most),
             short: thinned(&self.short, 2 * most),
+            ..self.clone()
+        }
+    }
+
+    /// The same problem where less is known of the nominal parameters: ten times the stated deviations, and of what the motor has beside
+    /// them as much as of the least known one.
+    #[must_use]
+    pub fn doubting(&self) -> Self {
+        let doubted = self.uncertainties.iter();
+        let mut uncertainties: Vec<(String, f64)> = doubted
+            .map(|(name, deviation)| (name.clone(), (DOUBT * deviation).min(1.0)))
+            .collect();
+        let most = uncertainties
+            .iter()
+            .map(|(_, own)| *own)
+            .fold(0.0, f64::max);
+        for parameter in self.rig.parameters() {
+            let is_known = uncertainties
+                .iter()
+                .any(|(name, _)| *name == parameter.name);
+            if parameter.name.starts_with("motor.") && !is_known {
+                uncertainties.push((parameter.name, most));
+            }
+        }
+        Self {
+            uncertainties,
             ..self.clone()
         }
     }

@@ -2,7 +2,7 @@
 
 use inference::diagnosis::{Diagnosis, Rival, Verdict, diagnose};
 use inference::fit::Fit;
-use inference::hypothesis::Estimate;
+use inference::hypothesis::{Estimate, Free};
 use inference::problem::Problem;
 use inference::search::{Candidate, Objection, fit_effects};
 use inference::sets::is_told;
@@ -112,11 +112,53 @@ fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<
         missed_windows: found.check.missed.missed,
         structure: finite(found.check.structure).unwrap_or_default(),
     });
+    finding.notes.extend(off(case, found));
     finding.notes.extend(fates(found));
     if !found.numbers.is_replayed {
         finding.notes.push(NOT_REPLAYED.to_owned());
     }
     Ok(finding)
+}
+
+/// Nominal parameters that are further off than what was known of them allows to overlook.
+fn off(case: &Case, found: &Diagnosis) -> Option<String> {
+    if !found.is_doubting && found.verdict != Verdict::Parameters {
+        return None;
+    }
+    let hypothesis = &found.amended().hypothesis;
+    let nominal = hypothesis.free.iter().filter_map(|free| match free {
+        Free::Nominal { name, nominal, .. } => {
+            Some((name, hypothesis.value(name)? / nominal - 1.0))
+        }
+        _ => None,
+    });
+    let told: Vec<String> = nominal
+        .filter_map(|(name, change)| {
+            let mut known = case.uncertainties.iter();
+            match known.find(|(own, _)| own == name) {
+                Some((_, deviation)) => (change.abs() > TO_95_PERCENT * deviation).then(|| {
+                    format!(
+                        "{name} {:+.1} %, known to {} %",
+                        100.0 * change,
+                        number(100.0 * deviation)
+                    )
+                }),
+                None => Some(format!(
+                    "{name} {:+.1} %, no uncertainty stated",
+                    100.0 * change
+                )),
+            }
+        })
+        .collect();
+    let doubt = if found.is_doubting {
+        "; what the model states of its numbers contradicts the records, so that all of it counts a tenth as much"
+    } else {
+        ""
+    };
+    Some(format!(
+        "numbers of the model that are off: {}{doubt}",
+        told.join("; ")
+    ))
 }
 
 fn finite(value: f64) -> Option<f64> {

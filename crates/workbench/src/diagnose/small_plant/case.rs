@@ -21,6 +21,7 @@ use inference::body::motion::{Motion, Scales, root_mean_square};
 use inference::body::problem::Problem;
 use inference::body::start;
 use inference::body::term::Entry;
+use inference::policy::{DOUBT, is_no_chance};
 use stickslip::body::{FileError, Kind, read_effects};
 
 /// Least length of all records to learn from together, in periods of the motion.
@@ -45,6 +46,8 @@ pub struct SmallCase {
     pub scales: Scales,
     /// Residual that weighs as much as one standard deviation of an FMU's parameter.
     pub known: f64,
+    /// By how much less it weighs since the records contradicted what is known of the parameters; 1 where they did not.
+    pub doubt: f64,
     /// What a residual at each port of an FMU counts: the noise at the first over that there.
     pub weights: Vec<f64>,
     /// The FMU and its records as they were measured; none of the other kinds.
@@ -57,6 +60,8 @@ pub struct SmallCase {
     pub notes: Vec<String>,
 }
 
+/// Said where what is known of an FMU's parameters is doubted.
+const DOUBTED: &str = "what the ports file states of the FMU's parameters contradicts the records, so that all of it counts a tenth as much";
 /// How a note begins that tells why there is no FMU.
 pub const NO_FMU: &str = "no FMU was built";
 
@@ -232,6 +237,7 @@ pub fn load(
         why.map(|why| format!("{NO_FMU}: {why}; model.amended.toml is the amended model"));
     let mut case = SmallCase {
         known: 0.0,
+        doubt: 1.0,
         weights: Vec::new(),
         name: material.name.clone(),
         model,
@@ -444,8 +450,23 @@ impl SmallCase {
                 let noise: Vec<f64> = noise.collect();
                 self.weights = noise.iter().map(|own| noise[0] / own).collect();
             }
-            self.known = unit(&balance(self).residuals(model)).sqrt();
+            self.known = unit(&balance(self).residuals(model)).sqrt() / self.doubt;
         }
+    }
+
+    /// Whether a model has a parameter of an FMU so far off that what is known of it is no chance.
+    #[must_use]
+    pub fn contradicts(&self, model: &Model) -> bool {
+        let off = balance(self).prior(model);
+        let deviations: Vec<f64> = off.iter().map(|own| own / self.known).collect();
+        is_no_chance(&deviations)
+    }
+
+    /// From now on what is known of an FMU's parameters counts less.
+    pub fn doubt(&mut self) {
+        self.doubt = DOUBT;
+        self.known /= DOUBT;
+        self.notes.push(DOUBTED.to_owned());
     }
 
     /// The effect of this name.

@@ -196,9 +196,8 @@ fn build_fmus(text: &str, out: &Path, library: &Library) -> anyhow::Result<Strin
     Ok(format!("{FMUS}: {}", names.collect::<Vec<_>>().join(", ")))
 }
 
-/// Names what is missing. The force that an FMU lacks depends on its parameters, and how much the knowledge of those weighs on what is
-/// named: so until the names do not change any more. Numbers that are far off leave structure that the right ones do not, which effects
-/// would stand in for: so with an effect more each time.
+/// Names what is missing. Where that contradicts what is known of an FMU's parameters, an effect may stand in for one of them: so once
+/// more with less faith in them.
 fn named_finding(
     case: &mut SmallCase,
     progress: &mut dyn FnMut(&str),
@@ -211,18 +210,12 @@ fn named_finding(
         Some(_) => 1,
         None => MOST_EFFECTS,
     };
-    let mut naming = names(case, &open, most, progress);
-    for more in 1..=MOST_ROUNDS {
-        if case.chased.is_none() {
-            break;
-        }
-        case.pursue(&naming.best().fit.model, progress)?;
-        let again = names(case, &open, most + more, progress);
-        let is_settled = is_same(&again.best().names, &naming.best().names);
-        naming = again;
-        if is_settled {
-            break;
-        }
+    let mut naming = settled(case, &open, most, progress)?;
+    let best = naming.best();
+    if case.chased.is_some() && !best.names.is_empty() && case.contradicts(&best.fit.model) {
+        case.doubt();
+        progress("the same with less faith in the FMU's parameters");
+        naming = settled(case, &open, most, progress)?;
     }
     if let Some(shifted) = shifted(case, &naming) {
         *case = shifted;
@@ -239,6 +232,31 @@ fn named_finding(
         )
     }));
     Ok(found)
+}
+
+/// The force that an FMU lacks depends on its parameters, and how much the knowledge of those weighs on what is named: so until the names
+/// do not change any more. Numbers that are far off leave structure that the right ones do not, which effects would stand in for: so with
+/// an effect more each time.
+fn settled(
+    case: &mut SmallCase,
+    open: &[&'static Entry],
+    most: usize,
+    progress: &mut dyn FnMut(&str),
+) -> anyhow::Result<Naming> {
+    let mut naming = names(case, open, most, progress);
+    for more in 1..=MOST_ROUNDS {
+        if case.chased.is_none() {
+            break;
+        }
+        case.pursue(&naming.best().fit.model, progress)?;
+        let again = names(case, open, most + more, progress);
+        let is_settled = is_same(&again.best().names, &naming.best().names);
+        naming = again;
+        if is_settled {
+            break;
+        }
+    }
+    Ok(naming)
 }
 
 fn names(
