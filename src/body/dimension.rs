@@ -129,10 +129,10 @@ impl Dimension {
     }
 }
 
-/// A unit without the signs by which writers differ: "N m" and "N.m" are one.
+/// A unit without the signs by which writers differ: "N m", "N.m" and "Nm" are one.
 #[must_use]
 pub fn plain(unit: &str) -> String {
     unit.chars()
-        .filter(|c| !c.is_whitespace() && *c != '.')
+        .filter(|c| !c.is_whitespace() && !matches!(c, '.' | '·' | '*'))
         .collect()
 }

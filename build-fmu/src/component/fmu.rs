@@ -79,8 +79,8 @@ impl Fmu {
         binary_header::check(&content).map_err(|error| binary(error.to_string()))?;
         drop(content);
         // SAFETY: loading runs the library's initialisers, as the user asks for by naming the FMU.
-        let library =
-            unsafe { Library::new(&file) }.map_err(|error| binary(with_causes(&error)))?;
+        let library = unsafe { Library::new(&file) }
+            .map_err(|error| binary(with_python(with_causes(&error))))?;
         let log = Log::default();
         let resources = archive.directory().join("resources");
         let instance: Result<Box<dyn Instance>, String> = match description.version {
@@ -190,6 +190,16 @@ fn taken(log: &Log) -> String {
 }
 
 /// The binary for this machine inside the archive.
+/// What a failure to load an FMU says, with what helps where the FMU wants an interpreter that the program does not have.
+fn with_python(reason: String) -> String {
+    if reason.contains("symbol: Py") || reason.contains("symbol: _Py") {
+        reason
+            + "; the FMU runs in Python: start the program with LD_PRELOAD=libpython3.11.so, the library of the Python that made it"
+    } else {
+        reason
+    }
+}
+
 fn binary_file(archive: &Archive, description: &Description) -> Result<PathBuf, String> {
     let (system_2, system_3) = match std::env::consts::OS {
         "linux" => ("linux", "linux"),

@@ -7,7 +7,7 @@ use crate::fit::Fit;
 use crate::learned::{Learned, friction_over_speed, learn};
 use crate::policy::{LN_PRIOR_ODDS, SURELY, is_no_chance};
 use crate::problem::Problem;
-use crate::search::{Candidate, Objection, search};
+use crate::search::{Candidate, Objection, Search, search};
 pub use crate::sets::Verdict;
 use crate::sets::{EffectSet as _, probabilities, sum_and_error};
 use crate::structure::{Structure, structures};
@@ -83,81 +83,113 @@ impl Diagnosis {
 
 /// Finds what is missing; `progress` hears of what is being fitted.
 ///
-/// An effect can stand in for a number that is further off than the model says, and it takes other numbers along. So where an answer
+/// An effect can stand in for a number that is further off than the model says, and it takes other numbers along. So where the best set
 /// contradicts what was known of them, the records are asked again with less faith in it.
 #[must_use]
 pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis {
-    let found = diagnose_believing(problem, progress);
-    let is_answer = matches!(found.verdict, Verdict::Named | Verdict::Ambiguous);
-    if !is_answer || !is_no_chance(&found.best.hypothesis.nominal_deviations()) {
-        return found;
+    let first = Explanation::of(problem, progress);
+    if !first.is_free_of_effects()
+        && is_no_chance(&first.best().fit.hypothesis.nominal_deviations())
+    {
+        let doubting = problem.doubting();
+        let again = Explanation::of(&doubting, progress);
+        if again.check.is_passed() {
+            let found = again.finish(&doubting, progress);
+            return Diagnosis {
+                verdict: match found.verdict {
+                    Verdict::NothingMissing => Verdict::Parameters,
+                    other => other,
+                },
+                is_doubting: true,
+                ..found
+            };
+        }
     }
-    let again = diagnose_believing(&problem.doubting(), progress);
-    match again.verdict {
-        Verdict::NotInCatalogue => found,
-        verdict => Diagnosis {
-            verdict: match verdict {
-                Verdict::NothingMissing => Verdict::Parameters,
-                other => other,
-            },
-            is_doubting: true,
-            ..again
-        },
-    }
+    first.finish(problem, progress)
 }
 
-fn diagnose_believing(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis {
-    let found = search(problem, progress);
-    progress("what is left");
-    let data = &problem.long;
-    let best = &found.candidates[0];
-    let structure = structures(data, &found.base.fit);
-    let structure_left = if best.effects.is_empty() {
-        structure.clone()
-    } else {
-        structures(data, &best.fit)
-    };
-    let mut check = check(problem, &best.fit, &structure_left, progress);
-    if check.is_passed()
-        && let Some(lead) = lead_of_function(problem, &found.base.fit, best, progress)
-        && lead > 0.0
-    {
-        check.reasons.push(format!(
-            "friction as a free function of the speed explains more than {}, by {lead:.0} in log evidence",
-            best.effects.join(" and ").replace('_', " ")
-        ));
+/// The best set of effects, and what it leaves.
+struct Explanation {
+    found: Search,
+    structure: Vec<Structure>,
+    structure_left: Vec<Structure>,
+    check: Check,
+}
+
+impl Explanation {
+    fn of(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Self {
+        let found = search(problem, progress);
+        progress("what is left");
+        let data = &problem.long;
+        let best = &found.candidates[0];
+        let structure = structures(data, &found.base.fit);
+        let structure_left = if best.effects.is_empty() {
+            structure.clone()
+        } else {
+            structures(data, &best.fit)
+        };
+        let mut check = check(problem, &best.fit, &structure_left, progress);
+        if check.is_passed()
+            && let Some(lead) = lead_of_function(problem, &found.base.fit, best, progress)
+            && lead > 0.0
+        {
+            check.reasons.push(format!(
+                "friction as a free function of the speed explains more than {}, by {lead:.0} in log evidence",
+                best.effects.join(" and ").replace('_', " ")
+            ));
+        }
+        Self {
+            found,
+            structure,
+            structure_left,
+            check,
+        }
     }
-    let learned = if check.is_passed() {
-        None
-    } else {
-        learn(problem, &found.base.fit, progress)
-    };
-    let ranking = ranking(problem, &found.candidates, &found.base);
-    let probability = ranking.first().map_or(0.0, |rival| rival.probability);
-    let of_effects: Vec<f64> = best
-        .effects
-        .iter()
-        .map(|name| probability_of(&ranking, name))
-        .collect();
-    let verdict = Verdict::of(check.is_passed(), &of_effects, moved(&found.base.fit));
-    let numbers = if verdict == Verdict::NotInCatalogue && !best.effects.is_empty() {
-        found.base.fit.replayed_estimates(problem)
-    } else {
-        found.numbers
-    };
-    Diagnosis {
-        verdict,
-        effects: best.effects.clone(),
-        probability,
-        ranking,
-        numbers,
-        base: found.base.fit.clone(),
-        best: best.fit.clone(),
-        structure,
-        structure_left,
-        check,
-        learned,
-        is_doubting: false,
+
+    fn best(&self) -> &Candidate {
+        &self.found.candidates[0]
+    }
+
+    /// Whether the analyst's model explains the records, be its numbers what they are.
+    fn is_free_of_effects(&self) -> bool {
+        self.best().effects.is_empty() && self.check.is_passed()
+    }
+
+    fn finish(self, problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis {
+        let Self { found, check, .. } = self;
+        let best = &found.candidates[0];
+        let learned = if check.is_passed() {
+            None
+        } else {
+            learn(problem, &found.base.fit, progress)
+        };
+        let ranking = ranking(problem, &found.candidates, &found.base);
+        let probability = ranking.first().map_or(0.0, |rival| rival.probability);
+        let of_effects: Vec<f64> = best
+            .effects
+            .iter()
+            .map(|name| probability_of(&ranking, name))
+            .collect();
+        let verdict = Verdict::of(check.is_passed(), &of_effects, moved(&found.base.fit));
+        let numbers = if verdict == Verdict::NotInCatalogue && !best.effects.is_empty() {
+            found.base.fit.replayed_estimates(problem)
+        } else {
+            found.numbers
+        };
+        Diagnosis {
+            verdict,
+            effects: best.effects.clone(),
+            probability,
+            ranking,
+            numbers,
+            base: found.base.fit.clone(),
+            best: best.fit.clone(),
+            structure: self.structure,
+            structure_left: self.structure_left,
+            check,
+            learned,
+            is_doubting: false,
+        }
     }
 }
 

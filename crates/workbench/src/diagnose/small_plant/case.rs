@@ -457,9 +457,8 @@ impl SmallCase {
     /// Whether a model has a parameter of an FMU so far off that what is known of it is no chance.
     #[must_use]
     pub fn contradicts(&self, model: &Model) -> bool {
-        let off = balance(self).prior(model);
-        let deviations: Vec<f64> = off.iter().map(|own| own / self.known).collect();
-        is_no_chance(&deviations)
+        let off = balance(self).prior(model).into_iter();
+        is_no_chance(&off.map(|own| own / self.known).collect::<Vec<f64>>())
     }
 
     /// From now on what is known of an FMU's parameters counts less.

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use std::f64::consts::TAU;
 use thiserror::Error;
 
-use stickslip::body::{Kind, Path};
+use stickslip::body::{Kind, Path, plain};
 
 /// One column.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -80,7 +80,7 @@ pub enum ColumnError {
     },
     /// A factor beside a unit that has its own.
     #[error(
-        "[columns] {quantity}: \"{unit}\" needs no factor; leave it out, or give the unit that the column really has"
+        "[columns] {quantity}: \"{unit}\" needs no factor; leave it out, give the unit that the column really has, or factor = -1 to turn the sign"
     )]
     Superfluous {
         /// Quantity.
@@ -174,9 +174,12 @@ impl Column {
     /// [`ColumnError`] where the unit is none of the quantity's and no factor is given, or the factor is superfluous.
     pub fn factor(&self, quantity: Quantity, path: Path) -> Result<f64, ColumnError> {
         let units = quantity.units(path);
-        let known = units.iter().find(|(unit, _)| *unit == self.unit);
+        let known = units
+            .iter()
+            .find(|(unit, _)| plain(unit) == plain(&self.unit));
         match (known, self.factor) {
             (Some((_, factor)), None) => Ok(*factor),
+            (Some((_, factor)), Some(-1.0)) => Ok(-factor),
             (Some(_), Some(_)) => Err(ColumnError::Superfluous {
                 quantity: quantity.word(),
                 unit: self.unit.clone(),
@@ -295,5 +298,30 @@ impl Columns {
                 .into_iter()
                 .filter_map(|(quantity, column)| column.as_ref().map(|column| (quantity, column))),
         )
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::{Column, Quantity};
+    use stickslip::body::Path;
+
+    #[test]
+    fn units_are_free_in_spelling_and_a_sign_can_be_turned() {
+        let factor = |unit: &str, factor: Option<f64>| {
+            let column = Column {
+                column: "torque".to_owned(),
+                unit: unit.to_owned(),
+                factor,
+            };
+            column.factor(Quantity::Force, Path::Turn)
+        };
+        for unit in ["N m", "N.m", "Nm", "N·m"] {
+            assert_eq!(factor(unit, None).unwrap(), 1.0);
+        }
+        assert_eq!(factor("mNm", Some(-1.0)).unwrap(), -1e-3);
+        assert!(factor("Nm", Some(2.0)).is_err());
+        assert!(factor("N", None).is_err());
     }
 }
