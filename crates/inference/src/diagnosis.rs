@@ -88,8 +88,7 @@ impl Diagnosis {
 #[must_use]
 pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis {
     let first = Explanation::of(problem, progress);
-    if !first.is_free_of_effects()
-        && is_no_chance(&first.best().fit.hypothesis.nominal_deviations())
+    if first.may_be_of_numbers() && is_no_chance(&first.best().fit.hypothesis.nominal_deviations())
     {
         let doubting = problem.doubting();
         let again = Explanation::of(&doubting, progress);
@@ -150,9 +149,10 @@ impl Explanation {
         &self.found.candidates[0]
     }
 
-    /// Whether the analyst's model explains the records, be its numbers what they are.
-    fn is_free_of_effects(&self) -> bool {
-        self.best().effects.is_empty() && self.check.is_passed()
+    /// Whether wrong numbers could be all there is: effects explain the records, which may stand in for them, or neither effects nor numbers
+    /// do, which may be held back. Where effects gain and yet do not explain the records, something else is missing.
+    fn may_be_of_numbers(&self) -> bool {
+        self.best().effects.is_empty() != self.check.is_passed()
     }
 
     fn finish(self, problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis {

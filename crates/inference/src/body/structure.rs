@@ -145,6 +145,8 @@ fn phase_angle(compared: &Compared, scales: &Scales) -> f64 {
 pub struct Left {
     /// The coordinate, or two of them with "and" between.
     pub coordinate: String,
+    /// Whether it is two: position and velocity together are the plant's state, of which a free function can say all.
+    pub is_of_two: bool,
     /// What a free function of it gains.
     pub gain: Gain,
     /// Share of the residuals' square, on what the function was not fitted to.
@@ -183,10 +185,11 @@ fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
     let known = balance.prior(model).iter().map(|r| r * r).sum();
     let before = Errors::of(&residuals, known);
     let total: f64 = before.pieces.iter().sum();
-    let left = |coordinate: String, bins: &[usize]| {
+    let left = |coordinate: String, is_of_two: bool, bins: &[usize]| {
         let errors = Errors::of(&left_out(&compared, bins, &fold_of, &lengths), known);
         Left {
             coordinate,
+            is_of_two,
             gain: errors.gain_over(&before),
             share: 1.0 - errors.pieces.iter().sum::<f64>() / total,
             port: 0,
@@ -197,7 +200,7 @@ fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
     let over: Vec<(&Coordinate, Vec<f64>, Left)> = known_here
         .filter_map(|own| {
             let values: Vec<f64> = compared.iter().map(|c| (own.of)(c, scales)).collect();
-            let found = left(own.name.to_owned(), &bins(&values, own.bins)?);
+            let found = left(own.name.to_owned(), false, &bins(&values, own.bins)?);
             Some((own, values, found))
         })
         .collect();
@@ -206,7 +209,7 @@ fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
         for (second, of_second, also_alone) in &over[at + 1..] {
             if SINGLE.contains(&first.name) && SINGLE.contains(&second.name) {
                 let name = format!("{} and {}", first.name, second.name);
-                let found = left(name, &bins_of_two(of_first, of_second));
+                let found = left(name, true, &bins_of_two(of_first, of_second));
                 let more = |than: &Left| found.errors.gain_over(&than.errors).is_sure();
                 if more(alone) && more(also_alone) {
                     all.push(found);

@@ -118,7 +118,7 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit) -> SmallFinding {
     let is_same_model = last.model.terms().len() == base.model.terms().len();
     // A joint's effects were fitted to runs, and a function of forces says nothing against them.
     let is_outdone = case.kind() != Kind::Joint
-        && before.iter().any(|free| {
+        && before.iter().filter(|free| !free.is_of_two).any(|free| {
             if is_same_model {
                 return free.gain.is_sure();
             }
