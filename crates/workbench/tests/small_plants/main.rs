@@ -18,7 +18,7 @@ use workbench::diagnose::small_plant::finding::SmallFinding;
 
 use crate::common::{library, stickslip};
 use crate::records::{
-    ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, driven, loaded,
+    ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, driven, held, loaded,
     multiplied, pendulum, pendulum_read, resized, stopping,
 };
 
@@ -97,6 +97,18 @@ fn a_dead_zone_of_a_drive_is_told_over_its_force() {
     assert_eq!(found.finding.verdict, VerdictName::NotInCatalogue, "{text}");
     let disagreement = &found.finding.structure[0];
     assert_eq!(disagreement.coordinate, "driving_input", "{text}");
+}
+
+#[test]
+fn a_force_that_is_held_between_samples_is_no_delay() {
+    let place = Place::new(DRIVE, &held(5.0, 1), &held(5.0, 2));
+    let (found, text) = place.diagnosed(0);
+    assert_eq!(names(&found), ["coulomb_friction"], "{text}");
+    assert!(
+        text.contains("takes effect 0.50 of a sampling interval"),
+        "{text}"
+    );
+    assert!(text.contains("Drive.fmi3.fmu"), "{text}");
 }
 
 #[test]

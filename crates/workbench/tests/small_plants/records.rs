@@ -51,6 +51,33 @@ pub fn driven(dry: f64, recorded: impl Fn(f64) -> f64, seed: u64) -> String {
     text
 }
 
+/// A record of the same drive under a force that a controller holds from each sample to the next: about a sample it is half the one before
+/// and half its own, so that the motion is half a sample behind the column.
+pub fn held(dry: f64, seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let phase = TAU * random.uniform();
+    let mut text = String::from("t,x,volt\n");
+    for at in 0..6000 {
+        let (mut x, mut force, mut v) = (0.0, 0.0, 0.0);
+        for (size, hertz) in [(0.1, 0.31), (0.04, 0.83), (0.015, 1.7)] {
+            let rate = TAU * hertz;
+            let angle = |part: f64| rate * 0.004 * (f64::from(at) + part) + phase * hertz;
+            x += size * angle(0.0).sin();
+            let (sine, cosine) = angle(0.5).sin_cos();
+            v += size * rate * cosine;
+            force += size * rate * (20.0 * cosine - 10.0 * rate * sine);
+        }
+        force += dry * f64::signum(v) + 0.02 * random.normal();
+        line(
+            &mut text,
+            0.004 * f64::from(at),
+            x + 1e-6 * random.normal(),
+            force,
+        );
+    }
+    text
+}
+
 /// A record of the same drive that stops and goes; while it rests, its dry friction of 12 N takes a force that changes.
 pub fn stopping(seed: u64) -> String {
     let mut random = Random::new(seed);

@@ -294,7 +294,11 @@ fn shifted(case: &SmallCase, naming: &Naming) -> Option<SmallCase> {
     if !matches!(case.kind(), Kind::Drive | Kind::Joint) {
         return None;
     }
-    let model = best.fit.model.without_effect(DELAY);
+    let fewer = best.names.contains(&DELAY);
+    let model = match fewer {
+        true => best.fit.model.without_effect(DELAY),
+        false => best.fit.model.clone(),
+    };
     let later = |share: f64| SmallCase {
         records: case
             .records
@@ -314,7 +318,6 @@ fn shifted(case: &SmallCase, naming: &Naming) -> Option<SmallCase> {
     let errors = |case: &SmallCase, fit: &Fit| Errors::left_out(&balance(case), fit, &case.scales);
     let own = fit_base(&balance(case), &best.fit.model, &case.scales);
     let gain = errors(&moved, &fitted(&moved)).gain_over(&errors(case, &own));
-    let fewer = best.names.contains(&DELAY);
     let prior = if fewer { -LN_PRIOR_ODDS } else { 0.0 };
     (bend > 0.0 && gain.odds(prior) > sure_odds()).then(|| {
         moved.notes.push(format!(
