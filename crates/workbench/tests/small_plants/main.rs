@@ -330,8 +330,10 @@ fn friction_of_an_arm_that_a_motor_turns_is_named_from_its_voltage_and_angle() {
 
 #[test]
 fn what_no_effect_is_like_is_not_named_after_one() {
-    let hidden: [Torque; 2] = [
+    let hidden: [Torque; 3] = [
         |q, _, _, _, _| 0.8 * (9.0 * q).cos(),
+        // Of two coordinates at once.
+        |q, rate, _, _, _| 0.5 * q * rate,
         |_, rate, _, _, time| if time > 9.0 { 0.8 * rate.signum() } else { 0.0 },
     ];
     for torque in hidden {
