@@ -189,7 +189,6 @@ fn taken(log: &Log) -> String {
     }
 }
 
-/// The binary for this machine inside the archive.
 /// What a failure to load an FMU says, with what helps where the FMU wants an interpreter that the program does not have.
 fn with_python(reason: String) -> String {
     if reason.contains("symbol: Py") || reason.contains("symbol: _Py") {
@@ -200,6 +199,7 @@ fn with_python(reason: String) -> String {
     }
 }
 
+/// The binary for this machine inside the archive.
 fn binary_file(archive: &Archive, description: &Description) -> Result<PathBuf, String> {
     let (system_2, system_3) = match std::env::consts::OS {
         "linux" => ("linux", "linux"),

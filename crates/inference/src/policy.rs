@@ -18,8 +18,9 @@ pub fn is_no_chance(deviations: &[f64]) -> bool {
     deviations.iter().any(|own| 0.5 * own * own > limit)
 }
 
-/// By how much what is known of a model's numbers is worth less once the records have contradicted it: a belief that is wrong by thirty
-/// standard deviations is one of three then, no surprise any more.
+/// By how much a stated deviation may be too small where the records contradict it. Of a hundred statements one is wrong so far, which makes
+/// what is known of a number a mixture of two normal densities (Tukey's contaminated normal). The wide one is the likelier from 3.7
+/// deviations on, where for ten numbers [`is_no_chance`] stops to believe in the narrow one.
 pub const DOUBT: f64 = 10.0;
 /// Most that one window may tell, in log odds: 20 : 1. What an effect does shows in more than two or three windows.
 pub const MOST_TOLD: f64 = 3.0;

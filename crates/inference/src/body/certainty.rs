@@ -11,9 +11,9 @@ use stickslip::parameter::Range;
 
 /// How certain the numbers of a set's effects are.
 pub struct Certainty {
-    /// The effects whose size has zero in its 95 % interval, and those with widths all of which have: over a width of any size, or
-    /// one far beyond what the records cover, nothing changes, so that a plainer effect explains as much. Where one is told, another may be too small for the records: friction that
-    /// sets in at a known moment may do so at once. Of a law, all numbers must be told.
+    /// The effects whose size has zero in its 95 % interval, and those with widths all of which have, or lie beyond their range: over such
+    /// a width nothing changes in the records, so that a plainer effect explains as much. Where one is told, another may be too small for the
+    /// records: friction that sets in at a known moment may do so at once. Of a law, all numbers must be told.
     pub unneeded: Vec<&'static str>,
     /// Log of the share of their usual values that places and widths may still have, by Laplace's method: what it costs that they could
     /// have been anything and must be just these.

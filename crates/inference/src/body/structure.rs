@@ -11,7 +11,7 @@ use stickslip::body::Path;
 
 /// Values of the free function over a coordinate, at quantiles.
 const BINS: usize = 16;
-/// The same over each of two coordinates.
+/// The same over each of two coordinates: as many values in all as over a turn.
 const BINS_OF_TWO: usize = 8;
 /// The same over the angle within a turn, where teeth, poles and rollers repeat many times.
 const BINS_OF_A_TURN: usize = 64;
@@ -120,7 +120,7 @@ pub const COORDINATES: &[Coordinate] = &[
 
 /// Coordinates that stand in pairs, where two explain surely more than either alone; the others are made of these. Acceleration does not:
 /// its noise is most of that of the force, and beside another coordinate it would be seen.
-const SINGLE: &[&str] = &[
+const PAIRED: &[&str] = &[
     "velocity",
     "position",
     "time",
@@ -207,7 +207,7 @@ fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
     let mut all: Vec<Left> = over.iter().map(|(.., found)| found.clone()).collect();
     for (at, (first, of_first, alone)) in over.iter().enumerate() {
         for (second, of_second, also_alone) in &over[at + 1..] {
-            if SINGLE.contains(&first.name) && SINGLE.contains(&second.name) {
+            if PAIRED.contains(&first.name) && PAIRED.contains(&second.name) {
                 let name = format!("{} and {}", first.name, second.name);
                 let found = left(name, true, &bins_of_two(of_first, of_second));
                 let more = |than: &Left| found.errors.gain_over(&than.errors).is_sure();

@@ -105,7 +105,7 @@ pub const CATALOGUE: &[Entry] = &[
     Entry {
         name: "gear_ripple",
         description: "torque ripple of motor or gears",
-        signature: "residual motor torque at a fixed number of cycles per turn of the motor",
+        signature: "residual motor torque at a fixed number of cycles per turn of the motor; 1, 2, 3, 4, 6, 8, 12 and 24 are tried",
         confusable: &[],
         symbols: &[
             ("gear_ripple.torque", "cog_T"),

@@ -120,40 +120,41 @@ fn finding(case: &Case, problem: &Problem, found: &Diagnosis) -> anyhow::Result<
     Ok(finding)
 }
 
-/// Nominal parameters that are further off than what was known of them allows to overlook.
+/// Nominal parameters that are further off than what was known of them allows to overlook, or, where nothing was, than chance.
 fn off(case: &Case, found: &Diagnosis) -> Option<String> {
     if !found.is_doubting && found.verdict != Verdict::Parameters {
         return None;
     }
     let hypothesis = &found.amended().hypothesis;
-    let nominal = hypothesis.free.iter().filter_map(|free| match free {
-        Free::Nominal { name, nominal, .. } => {
-            Some((name, hypothesis.value(name)? / nominal - 1.0))
-        }
-        _ => None,
-    });
-    let told: Vec<String> = nominal
-        .filter_map(|(name, change)| {
-            let mut known = case.uncertainties.iter();
-            match known.find(|(own, _)| own == name) {
-                Some((_, deviation)) => (change.abs() > TO_95_PERCENT * deviation).then(|| {
-                    format!(
-                        "{name} {:+.1} %, known to {} %",
-                        100.0 * change,
-                        number(100.0 * deviation)
+    let told: Vec<String> = hypothesis
+        .free
+        .iter()
+        .filter_map(|free| {
+            let Free::Nominal { name, nominal, .. } = free else {
+                return None;
+            };
+            let change = hypothesis.value(name)? / nominal - 1.0;
+            let stated = case.uncertainties.iter().find(|(own, _)| own == name);
+            let (deviation, known) = match stated {
+                Some((_, own)) => (*own, format!("known to {} %", number(100.0 * own))),
+                None => {
+                    let mut estimates = found.numbers.estimates.iter();
+                    let estimate = estimates.find(|own| own.name == *name)?;
+                    (
+                        estimate.deviation / nominal,
+                        "no uncertainty stated".to_owned(),
                     )
-                }),
-                None => Some(format!(
-                    "{name} {:+.1} %, no uncertainty stated",
-                    100.0 * change
-                )),
-            }
+                }
+            };
+            (change.abs() > TO_95_PERCENT * deviation)
+                .then(|| format!("{name} {:+.1} %, {known}", 100.0 * change))
         })
         .collect();
-    let doubt = if found.is_doubting {
-        "; what the model states of its numbers contradicts the records, so that all of it counts a tenth as much"
-    } else {
-        ""
+    let doubt = match found.is_doubting {
+        true => {
+            "; what the model states of its numbers contradicts the records, so that all of it counts a tenth as much"
+        }
+        false => "",
     };
     Some(format!(
         "numbers of the model that are off: {}{doubt}",

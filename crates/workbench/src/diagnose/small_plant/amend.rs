@@ -6,6 +6,7 @@ use super::case::SmallCase;
 use super::finding::{Course, SmallFinding};
 use super::model_file::{SmallModel, dotted};
 use super::showing::{balance, final_intervals, polished};
+use super::timing::{taking_effect, within_a_sample};
 use crate::diagnose::console::{number, readable};
 use crate::diagnose::finding::{
     Disagreement, Finding, FoundEffect, ParameterValue, Ranked, VerdictName,
@@ -57,9 +58,9 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
             number(*probability)
         ));
     }
-    if let Some(note) = within_a_sample(case, &found.finding.effects) {
-        found.finding.notes.push(note);
-    }
+    let notes = &mut found.finding.notes;
+    notes.extend(within_a_sample(case, &found.finding.effects));
+    notes.extend(taking_effect(case.driven_later));
     found.finding.ranking = weighed()
         .map(|(set, probability)| Ranked {
             score: set.is_answer().then(|| set.odds_over(best)),
@@ -73,20 +74,6 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
         .filter_map(|name| Some(ranked((*name).to_owned(), best, naming.best_without(name)?)))
         .collect();
     found
-}
-
-/// What else a delay of less than a sample may be.
-fn within_a_sample(case: &SmallCase, effects: &[FoundEffect]) -> Option<String> {
-    let delay = effects.iter().find(|own| own.name == "sensor_delay")?;
-    let delay = delay.parameters.get("delay")?.value;
-    let interval = case.records.first()?.interval;
-    (delay.abs() <= interval).then(|| {
-        format!(
-            "the delay is {} of the sampling interval of {} s; a force that is held from one sample to the next, or readings at other instants within it, look the same",
-            number(delay / interval),
-            number(interval)
-        )
-    })
 }
 
 /// What a set gains over another.
@@ -156,6 +143,7 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit) -> SmallFinding {
                 kind => Dimension::Force.unit(kind, case.model.model.path),
             }
             .to_owned(),
+            driven_later: case.driven_later,
             share_left,
             gains: Vec::new(),
             steps: Vec::new(),

@@ -9,19 +9,15 @@ use super::fmu::places::at_each;
 use super::fmu::plant::Plant;
 use super::model_file::{SmallModel, SmallModelError};
 use super::reading::read;
-use super::showing::balance;
 use crate::diagnose::material::Material;
 use crate::diagnose::record_part::Part;
 use crate::files::record::RecordError;
 use inference::body::catalogue::CATALOGUE;
 use inference::body::effect_file::{effect, of_user};
-use inference::body::evidence::unit;
 use inference::body::model::Model;
 use inference::body::motion::{Motion, Scales, root_mean_square};
-use inference::body::problem::Problem;
 use inference::body::start;
 use inference::body::term::Entry;
-use inference::policy::{DOUBT, is_no_chance};
 use stickslip::body::{FileError, Kind, read_effects};
 
 /// Least length of all records to learn from together, in periods of the motion.
@@ -48,6 +44,8 @@ pub struct SmallCase {
     pub known: f64,
     /// By how much less it weighs since the records contradicted what is known of the parameters; 1 where they did not.
     pub doubt: f64,
+    /// Share of a sampling interval by which force or voltage is read later than it stands in the records.
+    pub driven_later: f64,
     /// What a residual at each port of an FMU counts: the noise at the first over that there.
     pub weights: Vec<f64>,
     /// The FMU and its records as they were measured; none of the other kinds.
@@ -60,8 +58,6 @@ pub struct SmallCase {
     pub notes: Vec<String>,
 }
 
-/// Said where what is known of an FMU's parameters is doubted.
-const DOUBTED: &str = "what the ports file states of the FMU's parameters contradicts the records, so that all of it counts a tenth as much";
 /// How a note begins that tells why there is no FMU.
 pub const NO_FMU: &str = "no FMU was built";
 
@@ -238,6 +234,7 @@ pub fn load(
     let mut case = SmallCase {
         known: 0.0,
         doubt: 1.0,
+        driven_later: 0.0,
         weights: Vec::new(),
         name: material.name.clone(),
         model,
@@ -437,35 +434,6 @@ impl SmallCase {
             self.weigh_knowledge(model);
         }
         Ok(())
-    }
-
-    /// Weighs what is known of an FMU's parameters against residuals as large as `model` leaves.
-    fn weigh_knowledge(&mut self, model: &Model) {
-        if self.kind() == Kind::Fmu {
-            let ports = self.chased.as_ref().map_or(1, |own| own.plant.places.len());
-            if ports > 1 {
-                let all = balance(self).weighing(&[]);
-                let noise = (0..ports)
-                    .map(|port| root_mean_square(&all.at_port(port).residuals(model).concat()));
-                let noise: Vec<f64> = noise.collect();
-                self.weights = noise.iter().map(|own| noise[0] / own).collect();
-            }
-            self.known = unit(&balance(self).residuals(model)).sqrt() / self.doubt;
-        }
-    }
-
-    /// Whether a model has a parameter of an FMU so far off that what is known of it is no chance.
-    #[must_use]
-    pub fn contradicts(&self, model: &Model) -> bool {
-        let off = balance(self).prior(model).into_iter();
-        is_no_chance(&off.map(|own| own / self.known).collect::<Vec<f64>>())
-    }
-
-    /// From now on what is known of an FMU's parameters counts less.
-    pub fn doubt(&mut self) {
-        self.doubt = DOUBT;
-        self.known /= DOUBT;
-        self.notes.push(DOUBTED.to_owned());
     }
 
     /// The effect of this name.

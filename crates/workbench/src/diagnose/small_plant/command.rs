@@ -18,29 +18,25 @@ use super::fmu::wrapper::{self, WrapperError};
 use super::model_file::SmallModel;
 use super::report::page;
 use super::showing::{balance, models_on_the_way, step};
+use super::timing::share_of_a_sample;
 use crate::diagnose::amend::{FILE as AMENDED, build};
 use crate::diagnose::finding::VerdictName;
 use crate::diagnose::material::Material;
 use crate::diagnose::report::FILE as REPORT;
 use crate::files::atomic;
 use crate::outcome::Outcome;
-use inference::body::evidence::Errors;
-use inference::body::least_squares::Fit;
 use inference::body::model::Model;
 use inference::body::naming::{
     MOST_EFFECTS, Naming, fit_base, fit_with, name as name_effects, shows,
 };
-use inference::body::problem::{Problem, square};
+use inference::body::problem::Problem;
 use inference::body::swing::Swing;
 use inference::body::term::Entry;
-use inference::policy::{LN_PRIOR_ODDS, sure_odds};
 use inference::sets::is_same;
 use stickslip::body::Kind;
 
 /// How a note begins that tells which FMUs there are.
 const FMUS: &str = "FMUs of the amended model";
-/// The effect of readings that come late.
-const DELAY: &str = "sensor_delay";
 /// Most times that effects are named anew.
 const MOST_ROUNDS: usize = 4;
 
@@ -93,7 +89,11 @@ pub fn run(
         Stage::All | Stage::Name => named_finding(&mut case, progress)?,
         Stage::Locate => located(&case, progress),
         Stage::Amend(effects) if !effects.is_empty() => forced(&case, effects, progress)?,
-        Stage::Amend(_) | Stage::Show => SmallFinding::read(out)?,
+        Stage::Amend(_) | Stage::Show => {
+            let found = SmallFinding::read(out)?;
+            case = case.driven_later(found.small_plant.driven_later);
+            found
+        }
     };
     let mut text = String::new();
     if amends {
@@ -217,8 +217,8 @@ fn named_finding(
         progress("the same with less faith in the FMU's parameters");
         naming = settled(case, &open, most, progress)?;
     }
-    if let Some(shifted) = shifted(case, &naming) {
-        *case = shifted;
+    if let Some(share) = share_of_a_sample(case, &naming) {
+        *case = case.driven_later(share);
         progress("the same with what drives the plant a part of a sample later");
         naming = names(case, &open, most, progress);
     }
@@ -285,46 +285,6 @@ fn problem(case: &SmallCase) -> Box<dyn Problem> {
         )),
         _ => Box::new(balance(case)),
     }
-}
-
-/// The case with force or voltage that takes effect a part of a sample later or earlier, as where a controller holds it between its own
-/// samples, where that explains the records better: by itself, or without the delay that stood in for it.
-fn shifted(case: &SmallCase, naming: &Naming) -> Option<SmallCase> {
-    let best = naming.best();
-    if !matches!(case.kind(), Kind::Drive | Kind::Joint) {
-        return None;
-    }
-    let fewer = best.names.contains(&DELAY);
-    let model = match fewer {
-        true => best.fit.model.without_effect(DELAY),
-        false => best.fit.model.clone(),
-    };
-    let later = |share: f64| SmallCase {
-        records: case
-            .records
-            .iter()
-            .map(|own| own.driven_later(share))
-            .collect(),
-        held_out: case.held_out.driven_later(share),
-        ..case.clone()
-    };
-    let fitted = |case: &SmallCase| fit_base(&balance(case), &model, &case.scales);
-    let misfit = |share: f64| square(&fitted(&later(share)).residuals);
-    // Residuals go straight with the share, so that their squares lie on a parabola.
-    let [before, none, after] = [-0.5, 0.0, 0.5].map(misfit);
-    let bend = before - 2.0 * none + after;
-    let share = (0.25 * (before - after) / bend).clamp(-0.5, 0.5);
-    let mut moved = later(share);
-    let errors = |case: &SmallCase, fit: &Fit| Errors::left_out(&balance(case), fit, &case.scales);
-    let own = fit_base(&balance(case), &best.fit.model, &case.scales);
-    let gain = errors(&moved, &fitted(&moved)).gain_over(&errors(case, &own));
-    let prior = if fewer { -LN_PRIOR_ODDS } else { 0.0 };
-    (bend > 0.0 && gain.odds(prior) > sure_odds()).then(|| {
-        moved.notes.push(format!(
-            "what drives the plant takes effect {share:.2} of a sampling interval after its reading, as where a controller holds it; it was read so"
-        ));
-        moved
-    })
 }
 
 fn located(case: &SmallCase, progress: &mut dyn FnMut(&str)) -> SmallFinding {

@@ -25,6 +25,9 @@ pub struct Course {
     pub quantity: String,
     /// Unit of `rmse`.
     pub unit: String,
+    /// Share of a sampling interval by which force or voltage was read later than it stands in the records ([`SmallCase::driven_later`]).
+    #[serde(default)]
+    pub driven_later: f64,
     /// Share of what is left that a free function of one coordinate or two explains, on what it was not fitted to.
     pub share_left: f64,
     /// The effects of the best set, each with the set's gain over what is left without it.

@@ -4,6 +4,7 @@
 //! Files, commands and screens of what `inference::body` finds. The commands are those of the rig: [`command`].
 
 pub mod amend;
+mod belief;
 pub mod case;
 pub mod columns;
 pub mod command;
@@ -16,3 +17,4 @@ mod model_text;
 pub mod reading;
 pub mod report;
 pub mod showing;
+mod timing;

@@ -72,7 +72,7 @@ enum Variation {
 
 /// Part of its root mean square by which a column is made larger to see what that does.
 const OFFSET: f64 = 0.01;
-/// Periods of that swing while the plant moves, after which a run has told what it does.
+/// Periods for which the motion swings more while the plant moves. A numerical tolerance: the swing fades in and out, so that half count.
 const SWINGS: f64 = 50.0;
 
 impl Chased {
