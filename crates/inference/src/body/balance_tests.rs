@@ -62,13 +62,9 @@ fn residuals_grow_with_an_fmus_parameters_as_the_pursuits_say() {
     let records = [pursued()];
     let model = model();
     let problem = Balance::new(&records, &MEASUREMENT, &Scales::of(&records))
-        .knowing(&model, 0.7)
+        .knowing(&[])
         .weighing(&[1.3]);
-    let all = |model: &Model| {
-        let mut errors = problem.residuals(model);
-        errors.push(problem.prior(model));
-        errors
-    };
+    let all = |model: &Model| problem.residuals(model);
     let residuals = all(&model);
     for number in 0..2 {
         let slopes = problem.slopes(&model, &residuals, (0, number)).unwrap();

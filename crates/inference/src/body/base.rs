@@ -3,7 +3,7 @@
 use stickslip::body::{self, Dimension, Kind, Parameter, parameter};
 use stickslip::parameter::Range;
 
-use super::term::{Entry, Formula, Place, Role, Sample};
+use super::term::{Entry, Formula, Place, Pursued, Role, Sample};
 
 /// M·a + viscous·v + offset = force.
 pub const DRIVE: Entry = Entry {
@@ -19,6 +19,7 @@ pub const DRIVE: Entry = Entry {
     formula: Formula::Code {
         force: |p, s, _| p[0] * s.acceleration + p[1] * s.velocity + p[2],
         starts: &[],
+        linear: &[0, 1, 2],
     },
     own: false,
     place: Place::Everywhere,
@@ -38,6 +39,7 @@ pub const PENDULUM: Entry = Entry {
     formula: Formula::Code {
         force: |p, s, _| p[0] * (s.position - p[1]).sin() + p[2] * s.velocity,
         starts: &[],
+        linear: &[0, 2],
     },
     own: false,
     place: Place::Everywhere,
@@ -76,6 +78,7 @@ pub const CONTACT: Entry = Entry {
     formula: Formula::Code {
         force: |p, s, _| (p[0] + (p[1] - p[0]) * (-s.velocity.abs() / p[2]).exp()) * s.direction,
         starts: &[],
+        linear: &[0, 1],
     },
     own: false,
     place: Place::Everywhere,
@@ -100,6 +103,7 @@ pub const BALANCE: Entry = Entry {
     formula: Formula::Code {
         force: |p, s, _| p[0] * s.predicted,
         starts: &[],
+        linear: &[0],
     },
     own: false,
     place: Place::Everywhere,
@@ -119,17 +123,7 @@ pub fn of_fmu(parameters: Vec<Parameter>) -> &'static Entry {
         needs_load: false,
         role: Role::Added,
         parameters: Vec::leak(parameters),
-        formula: Formula::Code {
-            force: |p, s, _| {
-                let sum: f64 = p
-                    .iter()
-                    .zip(s.slopes)
-                    .map(|(value, slope)| value * slope)
-                    .sum();
-                sum - s.nominal
-            },
-            starts: &[],
-        },
+        formula: Formula::Pursued(Pursued::Parameters),
         own: false,
         place: Place::Everywhere,
     }))
@@ -150,6 +144,7 @@ pub const JOINT: Entry = Entry {
     formula: Formula::Code {
         force: |p, s, _| s.load + p[2] * s.velocity - s.motor,
         starts: &[],
+        linear: &[],
     },
     own: false,
     place: Place::Everywhere,

@@ -77,6 +77,7 @@ const CODED: &[Entry] = &[
                 &[1.0, -1.2, 1.5, 1.0, 2.0, 2.2, 0.7, 1.0, 0.0, 0.0],
                 &[1.0, -3.0, 2.0, 0.5, 0.5, 2.0, 1.0, 2.0, 0.0, 3.0],
             ],
+            linear: &[0, 3, 8],
         },
         own: false,
         place: Place::Everywhere,
@@ -99,6 +100,7 @@ const CODED: &[Entry] = &[
         formula: Formula::Code {
             force: |p, s, law| law * (s.load.max(0.0).powf(p[0]) - 1.0),
             starts: &[&[0.2], &[1.0]],
+            linear: &[],
         },
         own: false,
         place: Place::Everywhere,
@@ -125,6 +127,7 @@ const CODED: &[Entry] = &[
         formula: Formula::Code {
             force: |_, _, _| 0.0,
             starts: &[&[0.1], &[-0.1]],
+            linear: &[],
         },
         own: false,
         place: Place::Everywhere,
@@ -155,6 +158,7 @@ const CODED: &[Entry] = &[
         formula: Formula::Code {
             force: |_, _, _| 0.0,
             starts: &[&[0.001, 0.001]],
+            linear: &[],
         },
         own: false,
         place: Place::Everywhere,

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::known::misfit;
 use super::least_squares::{Fit, Start, fit_from};
 use super::motion::Scales;
 use super::problem::Problem;
@@ -16,7 +17,7 @@ const REFIT_STEPS: usize = 3;
 pub struct Errors {
     /// Squared errors piece by piece.
     pub pieces: Vec<f64>,
-    /// Squared errors of the model's numbers against what was known of them before.
+    /// Squared errors of the model's numbers against what was known of them before, in standard deviations.
     pub known: f64,
     /// Squared error that makes one unit of 2 ln likelihood.
     pub unit: f64,
@@ -40,7 +41,7 @@ impl Errors {
         }
         Self {
             pieces,
-            known: problem.prior(&fitted.model).iter().map(|r| r * r).sum(),
+            known: misfit(problem.known(), &fitted.model),
             unit: unit(&fitted.residuals),
         }
     }
@@ -87,7 +88,7 @@ impl Errors {
             .collect();
         let (pieces, error) = sum_and_error(&differences);
         Gain {
-            value: pieces + (other.known - self.known) / unit,
+            value: pieces + 0.5 * (other.known - self.known),
             error,
         }
     }
@@ -155,7 +156,7 @@ pub fn unit(residuals: &[Vec<f64>]) -> f64 {
             }
         }
         let correlation = sum / (pairs.max(1) as f64 * variance);
-        if pairs == 0 || correlation <= 0.0 {
+        if pairs == 0 || correlation.is_nan() || correlation <= 0.0 {
             break;
         }
         together += 2.0 * correlation;

@@ -62,15 +62,17 @@ impl LowPass {
 
     fn forward(&self, series: &mut [f64]) {
         let begin = series.first().copied().unwrap_or(0.0);
-        for [b0, b1, b2, a1, a2] in &self.sections {
-            let (mut z1, mut z2) = (0.0, 0.0);
-            for value in series.iter_mut() {
-                let x = *value - begin;
-                let y = b0 * x + z1;
-                z1 = b1 * x - a1 * y + z2;
-                z2 = b2 * x - a2 * y;
-                *value = y + begin;
+        let mut states = vec![[0.0; 2]; self.sections.len()];
+        // All sections at each value: their recursions run beside each other in the processor.
+        for value in series.iter_mut() {
+            let mut x = *value - begin;
+            for ([b0, b1, b2, a1, a2], [z1, z2]) in self.sections.iter().zip(&mut states) {
+                let y = b0 * x + *z1;
+                *z1 = b1 * x - a1 * y + *z2;
+                *z2 = b2 * x - a2 * y;
+                x = y;
             }
+            *value = x + begin;
         }
     }
 }

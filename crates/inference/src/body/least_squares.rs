@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use stickslip::parameter::Range;
 
 use super::evidence::unit;
+use super::known::{self, deviations};
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
@@ -65,6 +66,17 @@ impl Coordinates {
             .collect()
     }
 
+    /// How a number grows with its coordinate.
+    fn slope(x: f64, range: Range, scale: f64) -> f64 {
+        match range {
+            Range::Finite => scale,
+            Range::Positive => x.exp() * scale,
+            // At zero too it must show that the number can grow.
+            Range::NonNegative => (2.0 * x + STEP) * scale,
+            Range::Between(low, high) => (high - low) / (std::f64::consts::PI * (1.0 + x * x)),
+        }
+    }
+
     /// The step, or that part of it in which no positive number changes by more than a factor of e: derivatives tell no more of it, and
     /// an effect whose width ran away has none.
     fn shortened(&self, step: DVector<f64>) -> DVector<f64> {
@@ -91,11 +103,22 @@ impl Coordinates {
     }
 }
 
-/// Residuals and, as one piece more, errors against what was known before.
+/// Residuals and, as one piece more, deviations from what was known before.
 fn errors(problem: &dyn Problem, model: &Model) -> Vec<Vec<f64>> {
     let mut all = problem.residuals(model);
-    all.push(problem.prior(model));
+    all.push(deviations(problem.known(), model));
     all
+}
+
+/// What each piece's squares count: those of the last, the deviations, as much as the noise that the model leaves.
+fn counts(errors: &[Vec<f64>]) -> Vec<f64> {
+    let mut counts = vec![1.0; errors.len()];
+    if let (Some(count), Some((known, residuals))) = (counts.last_mut(), errors.split_last())
+        && !known.is_empty()
+    {
+        *count = unit(residuals);
+    }
+    counts
 }
 
 /// Derivatives of the errors, piece by piece: one row per error, one column per free number.
@@ -111,9 +134,9 @@ fn jacobian(
         .map(|piece| DMatrix::zeros(piece.len(), x.len()))
         .collect();
     for (column, &(term, number, range, scale)) in coordinates.places.iter().enumerate() {
-        if range == Range::Finite
-            && let Some(slopes) = problem.slopes(model, residuals, (term, number))
-        {
+        if let Some(mut slopes) = problem.slopes(model, residuals, (term, number)) {
+            slopes.push(known::slopes(problem.known(), (term, number)));
+            let scale = Coordinates::slope(x[column], range, scale);
             for (piece, slopes) in pieces.iter_mut().zip(&slopes) {
                 for (row, slope) in slopes.iter().enumerate() {
                     piece[(row, column)] = slope * scale;
@@ -178,13 +201,11 @@ pub fn fit_from(problem: &dyn Problem, start: &Start, without: Option<usize>, st
         .map(|fold| Some(*fold) != without)
         .chain([true])
         .collect();
-    let loss = |residuals: &[Vec<f64>]| -> f64 {
-        residuals
-            .iter()
-            .zip(&used)
+    let loss = |errors: &[Vec<f64>], counts: &[f64]| -> f64 {
+        let pieces = errors.iter().zip(counts).zip(&used);
+        pieces
             .filter(|(_, used)| **used)
-            .flat_map(|(piece, _)| piece)
-            .map(|r| r * r)
+            .map(|((piece, count), _)| count * piece.iter().map(|r| r * r).sum::<f64>())
             .sum()
     };
     let mut best = Fit {
@@ -192,7 +213,7 @@ pub fn fit_from(problem: &dyn Problem, start: &Start, without: Option<usize>, st
         residuals: start.errors.clone(),
         loss: 0.0,
     };
-    best.loss = loss(&best.residuals);
+    best.loss = loss(&best.residuals, &counts(&best.residuals));
     let mut damping = 1e-3;
     for step in 0..steps {
         let further;
@@ -205,15 +226,18 @@ pub fn fit_from(problem: &dyn Problem, start: &Start, without: Option<usize>, st
         let size = coordinates.places.len();
         let mut normal = DMatrix::zeros(size, size);
         let mut gradient = DVector::zeros(size);
-        for ((jacobian, residuals), _) in pieces
+        let counts = counts(&best.residuals);
+        for (((jacobian, residuals), count), _) in pieces
             .iter()
             .zip(&best.residuals)
+            .zip(&counts)
             .zip(&used)
             .filter(|(_, used)| **used)
         {
-            normal += jacobian.tr_mul(jacobian);
-            gradient += jacobian.tr_mul(&DVector::from_column_slice(residuals));
+            normal += *count * jacobian.tr_mul(jacobian);
+            gradient += *count * jacobian.tr_mul(&DVector::from_column_slice(residuals));
         }
+        best.loss = loss(&best.residuals, &counts);
         let x = coordinates.of(&best.model);
         let before = best.loss;
         while damping < HOPELESS {
@@ -222,7 +246,7 @@ pub fn fit_from(problem: &dyn Problem, start: &Start, without: Option<usize>, st
                 let moved: Vec<f64> = x.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect();
                 let model = coordinates.set(&best.model, &moved);
                 let residuals = errors(problem, &model);
-                let loss = loss(&residuals);
+                let loss = loss(&residuals, &counts);
                 if loss < best.loss {
                     best = Fit {
                         model,
@@ -291,9 +315,12 @@ pub fn intervals(problem: &dyn Problem, fit: &Fit, scales: &Scales) -> Vec<Inter
         let pull = jacobian.tr_mul(&DVector::from_column_slice(residuals));
         between += &pull * pull.transpose();
     }
-    if let Some(known) = known {
-        let information = known.tr_mul(&known);
-        between += unit(&fit.residuals) * &information;
+    if !problem.known().is_empty()
+        && let Some(known) = known
+    {
+        let noise = unit(&fit.residuals);
+        let information = noise * known.tr_mul(&known);
+        between += noise * &information;
         normal += information;
     }
     let count = pieces.len() as f64;

@@ -75,17 +75,94 @@ impl Model {
         force
     }
 
-    /// Adds the forces at moments of one port to `forces`.
-    pub fn add_forces(&self, samples: &[Sample], forces: &mut Vec<f64>) {
+    /// Adds, for each set of numbers of the term at this place, its force at moments of one port to a series of the set's own; friction
+    /// and loads are those of the model.
+    pub fn add_forces_of(
+        &self,
+        at: usize,
+        numbers: &[Vec<f64>],
+        samples: &[Sample],
+        series: &mut [Vec<f64>],
+    ) {
         let (blocks, rest) = samples.as_chunks::<AT_ONCE>();
         for block in blocks {
-            forces.extend(self.forces_at(block));
+            self.extend(at, numbers, block, series);
         }
-        forces.extend(rest.iter().map(|sample| self.force(sample)));
+        for sample in rest {
+            self.extend(at, numbers, std::array::from_ref(sample), series);
+        }
+    }
+
+    fn extend<const N: usize>(
+        &self,
+        at: usize,
+        numbers: &[Vec<f64>],
+        samples: &[Sample; N],
+        series: &mut [Vec<f64>],
+    ) {
+        let entry = self.terms[at].entry;
+        self.at_moments(samples, entry.multiplies_friction(), |moments| {
+            for (values, series) in numbers.iter().zip(series) {
+                series.extend(entry.forces(values, moments));
+            }
+        });
+    }
+
+    /// Places of the terms that give a force at a port, the friction first.
+    pub fn acting(&self, port: usize) -> impl Iterator<Item = usize> {
+        let of_role = move |role: Role| {
+            let own = self.terms.iter().enumerate();
+            own.filter(move |(_, term)| term.entry.role == role && term.entry.place.is_at(port))
+                .map(|(at, _)| at)
+        };
+        of_role(Role::Law)
+            .last()
+            .into_iter()
+            .chain(of_role(Role::Friction))
+            .chain(of_role(Role::Added))
+    }
+
+    /// Whether another term's force depends on this one's numbers.
+    #[must_use]
+    pub fn is_depended_on(&self, at: usize) -> bool {
+        let is_friction = matches!(self.terms[at].entry.role, Role::Law | Role::Friction);
+        let is_base_of_joint = self.kind == Kind::Joint && at == 0;
+        is_base_of_joint
+            || is_friction && self.terms.iter().any(|own| own.entry.multiplies_friction())
+    }
+
+    /// Numbers of other terms on which the force of this one depends.
+    #[must_use]
+    pub fn context(&self, at: usize) -> Vec<f64> {
+        let multiplies = self.terms[at].entry.multiplies_friction();
+        let others = self.terms.iter().enumerate().filter(|(other, term)| {
+            let is_friction = matches!(term.entry.role, Role::Law | Role::Friction);
+            multiplies && is_friction || self.kind == Kind::Joint && *other == 0
+        });
+        others.flat_map(|(_, term)| term.values.clone()).collect()
     }
 
     /// As [`Self::force`], at each of some moments of one port.
     fn forces_at<const N: usize>(&self, samples: &[Sample; N]) -> [f64; N] {
+        let port = samples.first().map_or(0, |sample| sample.port);
+        self.at_moments(samples, true, |moments| {
+            let mut sums = *moments.friction();
+            for term in self.acting(port).map(|at| &self.terms[at]) {
+                if term.entry.role == Role::Added {
+                    add(&mut sums, term.entry.forces(&term.values, moments));
+                }
+            }
+            sums
+        })
+    }
+
+    /// What `of` gives at these moments, with a joint's loads, and with the friction where it is wanted.
+    fn at_moments<const N: usize, T>(
+        &self,
+        samples: &[Sample; N],
+        with_friction: bool,
+        of: impl FnOnce(&Moments<'_, N>) -> T,
+    ) -> T {
         let loaded;
         let mut samples = samples;
         if self.kind == Kind::Joint
@@ -103,26 +180,16 @@ impl Model {
         }
         let port = samples.first().map_or(0, |sample| sample.port);
         let mut moments = Moments::new(samples);
-        let acts = |term: &&Term| term.entry.place.is_at(port);
-        let of_role = |role: Role| self.terms.iter().filter(move |t| t.entry.role == role);
-        let add = |sums: &mut [f64; N], more: [f64; N]| {
-            for (sum, more) in sums.iter_mut().zip(more) {
-                *sum += more;
+        if with_friction {
+            let mut friction = [0.0; N];
+            for term in self.acting(port).map(|at| &self.terms[at]) {
+                if term.entry.role != Role::Added {
+                    add(&mut friction, term.entry.forces(&term.values, &moments));
+                }
             }
-        };
-        let mut friction = [0.0; N];
-        if let Some(law) = of_role(Role::Law).rfind(acts) {
-            friction = law.entry.forces(&law.values, &moments);
+            moments.set_friction(friction);
         }
-        for term in of_role(Role::Friction).filter(acts) {
-            add(&mut friction, term.entry.forces(&term.values, &moments));
-        }
-        moments.set_friction(friction);
-        let mut other = [0.0; N];
-        for term in of_role(Role::Added).filter(acts) {
-            add(&mut other, term.entry.forces(&term.values, &moments));
-        }
-        std::array::from_fn(|at| friction[at] + other[at])
+        of(&moments)
     }
 
     /// Time by which the readings of the motion at a port lag behind the force [s].
@@ -191,5 +258,11 @@ impl Model {
     /// Sets a number.
     pub fn set(&mut self, term: usize, parameter: usize, value: f64) {
         self.terms[term].values[parameter] = value;
+    }
+}
+
+fn add<const N: usize>(sums: &mut [f64; N], more: [f64; N]) {
+    for (sum, more) in sums.iter_mut().zip(more) {
+        *sum += more;
     }
 }

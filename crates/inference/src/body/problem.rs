@@ -1,5 +1,6 @@
 //! What is fitted: residuals of a model on records, in pieces.
 
+use super::known::Known;
 use super::model::Model;
 
 /// Residuals of any model of one plant on one set of records.
@@ -9,9 +10,9 @@ pub trait Problem: Sync {
     /// Pieces are consecutive stretches, long against the time over which residuals are correlated.
     fn residuals(&self, model: &Model) -> Vec<Vec<f64>>;
 
-    /// Errors of a model's numbers against what was known of them before, in the unit of the residuals; empty where nothing was.
-    fn prior(&self, _model: &Model) -> Vec<f64> {
-        Vec::new()
+    /// Numbers of the model that were known before.
+    fn known(&self) -> &[Known] {
+        &[]
     }
 
     /// How the residuals grow with a number, where that is known without another run of the model; `residuals` are those of `model`.

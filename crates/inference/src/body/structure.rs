@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::balance::{Balance, Compared, MOST_FOLDS};
 use super::evidence::{Errors, Gain};
+use super::known::misfit;
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
@@ -182,7 +183,7 @@ fn at_one(balance: &Balance, model: &Model, scales: &Scales) -> Vec<Left> {
         // Pieces that follow each other are in different folds: a function of time is not learned from other times.
         .flat_map(|(piece, &length)| vec![(piece, piece % MOST_FOLDS); length])
         .collect();
-    let known = balance.prior(model).iter().map(|r| r * r).sum();
+    let known = misfit(balance.known(), model);
     let before = Errors::of(&residuals, known);
     let total: f64 = before.pieces.iter().sum();
     let left = |coordinate: String, is_of_two: bool, bins: &[usize]| {

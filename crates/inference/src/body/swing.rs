@@ -10,6 +10,7 @@ use nalgebra::{Matrix2, Vector2};
 use operations::{Coupling, Moment};
 
 use super::balance::Balance;
+use super::known::Known;
 use super::model::Model;
 use super::motion::{Measurement, Motion, Scales};
 use super::problem::Problem;
@@ -47,6 +48,8 @@ pub struct Swing {
     folds: Vec<usize>,
     /// Balance of forces of the same records, where fits start from that.
     forces: Option<Balance>,
+    /// Numbers that were known before.
+    known: Vec<Known>,
 }
 
 impl Swing {
@@ -103,9 +106,18 @@ impl Swing {
             folds: stretches.iter().enumerate().flat_map(pieces).collect(),
             piece,
             forces: None,
+            known: Vec::new(),
             nudge: [NUDGE * scales.position, NUDGE * scales.speed],
             stretches,
         }
+    }
+
+    /// The same where these numbers were known before.
+    #[must_use]
+    pub fn knowing(mut self, known: &[Known]) -> Self {
+        self.forces = self.forces.map(|forces| forces.knowing(known));
+        self.known = known.to_vec();
+        self
     }
 
     /// The model's run through the first stretch, from the start that fits its first `fitted` readings best, and on for
@@ -166,6 +178,10 @@ impl Problem for Swing {
 
     fn first_look(&self) -> Option<&dyn Problem> {
         self.forces.as_ref().map(|forces| forces as &dyn Problem)
+    }
+
+    fn known(&self) -> &[Known] {
+        &self.known
     }
 
     fn folds(&self) -> &[usize] {

@@ -1,6 +1,7 @@
 //! Terms of a small plant's equation: what all bases and effects have.
 
 use operations::Operation;
+use stickslip::body::coordinate::FRICTION;
 use stickslip::body::{Kind, Parameter, Path};
 
 use super::equation::{Moments, uses};
@@ -35,16 +36,8 @@ pub struct Sample {
     pub driving: f64,
     /// Torque of the motor over the moment of inertia, friction apart [rad/s²]; of a joint.
     pub motor: f64,
-    /// By how much an FMU's missing force falls as each of its uncertain parameters grows [N or N m over the parameter's unit].
-    pub slopes: [f64; MOST_PARAMETERS],
-    /// The same times the parameters' values at which the force was found, summed [N or N m].
-    pub nominal: f64,
     /// Which of an FMU's ports it is of.
     pub port: usize,
-    /// By how much it falls as each uncertain parameter grows by its own value [N or N m].
-    pub drifts: [f64; MOST_PARAMETERS],
-    /// By how much an FMU's missing force falls as each column that may be off by a constant grows [N or N m over the column's unit].
-    pub offsets: [f64; MOST_OFFSETS],
 }
 
 /// Most uncertain parameters of an FMU.
@@ -104,14 +97,25 @@ pub enum Formula {
     Code {
         /// The force.
         force: Force,
-        /// Values from which a fit starts, in units of each parameter's usual size.
+        /// Values from which a fit starts, in units of each parameter's usual size; none of a base.
         starts: &'static [&'static [f64]],
+        /// Places of parameters in which it is linear, all of them together.
+        linear: &'static [usize],
     },
     /// What repeats so often per turn, as cosine and sine.
     Repeats(f64),
-    /// An uncertain parameter of an FMU, of this number among them, that changes by a share of its value in a minute.
+    /// A series that stands in the record of an FMU; at a moment alone it is nothing.
+    Pursued(Pursued),
+}
+
+/// What stands in the record of an FMU.
+#[derive(Debug, Clone, Copy)]
+pub enum Pursued {
+    /// The force that its uncertain parameters make.
+    Parameters,
+    /// That of an uncertain parameter, of this number among them, that changes by a share of its value in a minute.
     Drift(usize),
-    /// A column that is off by a constant, of this number among those that may be.
+    /// That of a column that is off by a constant, of this number among those that may be.
     Offset(usize),
 }
 
@@ -122,7 +126,8 @@ impl Formula {
             Self::Equation { .. } => &[],
             Self::Code { starts, .. } => starts,
             Self::Repeats(_) => &[&[0.1, 0.1]],
-            Self::Drift(_) | Self::Offset(_) => &[&[0.1]],
+            Self::Pursued(Pursued::Parameters) => &[],
+            Self::Pursued(_) => &[&[0.1]],
         }
     }
 }
@@ -203,12 +208,7 @@ impl Entry {
                 let (sine, cosine) = (often * sample.position).sin_cos();
                 values[0] * cosine + values[1] * sine
             }),
-            Formula::Drift(at) => samples
-                .each_ref()
-                .map(|sample| values[0] * sample.drifts[at] * sample.time / 60.0),
-            Formula::Offset(at) => samples
-                .each_ref()
-                .map(|sample| values[0] * sample.offsets[at]),
+            Formula::Pursued(_) => [0.0; N],
         }
     }
 
@@ -225,6 +225,28 @@ impl Entry {
     #[must_use]
     pub fn uses(&self, coordinate: usize) -> bool {
         matches!(self.formula, Formula::Equation { operations, .. } if uses(operations, coordinate))
+    }
+
+    /// Places of parameters in which it is linear, all of them together.
+    #[must_use]
+    pub fn linear(&self) -> Vec<usize> {
+        match self.formula {
+            Formula::Equation { operations, .. } => {
+                operations::linear(operations, self.parameters.len())
+            }
+            Formula::Code { linear, .. } => linear.to_vec(),
+            Formula::Repeats(_) | Formula::Pursued(_) => (0..self.parameters.len()).collect(),
+        }
+    }
+
+    /// Whether it may depend on the friction of others. No base does.
+    #[must_use]
+    pub fn multiplies_friction(&self) -> bool {
+        match self.formula {
+            Formula::Equation { .. } => self.uses(FRICTION),
+            Formula::Code { starts, .. } => self.role == Role::Added && !starts.is_empty(),
+            _ => false,
+        }
     }
 
     /// What each of its numbers does; nothing of a law, which takes another's place.

@@ -9,13 +9,16 @@ use super::fmu::places::at_each;
 use super::fmu::plant::Plant;
 use super::model_file::{SmallModel, SmallModelError};
 use super::reading::read;
+use super::showing::balance;
 use crate::diagnose::material::Material;
 use crate::diagnose::record_part::Part;
 use crate::files::record::RecordError;
 use inference::body::catalogue::CATALOGUE;
 use inference::body::effect_file::{effect, of_user};
+use inference::body::known::Known;
 use inference::body::model::Model;
 use inference::body::motion::{Motion, Scales, root_mean_square};
+use inference::body::problem::Problem;
 use inference::body::start;
 use inference::body::term::Entry;
 use stickslip::body::{FileError, Kind, read_effects};
@@ -40,10 +43,8 @@ pub struct SmallCase {
     pub goes_on: bool,
     /// Usual sizes in the records to learn from.
     pub scales: Scales,
-    /// Residual that weighs as much as one standard deviation of an FMU's parameter.
-    pub known: f64,
-    /// By how much less it weighs since the records contradicted what is known of the parameters; 1 where they did not.
-    pub doubt: f64,
+    /// The model's numbers that are known before, with the deviations that its file states.
+    pub known: Vec<Known>,
     /// Share of a sampling interval by which force or voltage is read later than it stands in the records.
     pub driven_later: f64,
     /// What a residual at each port of an FMU counts: the noise at the first over that there.
@@ -232,8 +233,7 @@ pub fn load(
     let without_fmu =
         why.map(|why| format!("{NO_FMU}: {why}; model.amended.toml is the amended model"));
     let mut case = SmallCase {
-        known: 0.0,
-        doubt: 1.0,
+        known: model.known(),
         driven_later: 0.0,
         weights: Vec::new(),
         name: material.name.clone(),
@@ -253,7 +253,7 @@ pub fn load(
         chased,
     };
     let model = case.model.model.clone();
-    case.weigh_knowledge(&model);
+    case.weigh_ports(&model);
     Ok(case)
 }
 
@@ -431,9 +431,21 @@ impl SmallCase {
             let held_out = self.held_out.clone();
             (self.records, self.held_out, self.held_out_further) =
                 chased_motions(chased, model, held_out, progress)?;
-            self.weigh_knowledge(model);
+            self.weigh_ports(model);
         }
         Ok(())
+    }
+
+    /// Weighs the ports of an FMU against each other by what `model` leaves at them.
+    fn weigh_ports(&mut self, model: &Model) {
+        let ports = self.chased.as_ref().map_or(1, |own| own.plant.places.len());
+        if ports > 1 {
+            let all = balance(self).weighing(&[]);
+            let noise = (0..ports)
+                .map(|port| root_mean_square(&all.at_port(port).residuals(model).concat()));
+            let noise: Vec<f64> = noise.collect();
+            self.weights = noise.iter().map(|own| noise[0] / own).collect();
+        }
     }
 
     /// The effect of this name.

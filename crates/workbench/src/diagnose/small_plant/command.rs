@@ -196,7 +196,7 @@ fn build_fmus(text: &str, out: &Path, library: &Library) -> anyhow::Result<Strin
     Ok(format!("{FMUS}: {}", names.collect::<Vec<_>>().join(", ")))
 }
 
-/// Names what is missing. Where that contradicts what is known of an FMU's parameters, an effect may stand in for one of them: so once
+/// Names what is missing. Where that contradicts what is known of the model's numbers, an effect may stand in for one of them: so once
 /// more with less faith in them.
 fn named_finding(
     case: &mut SmallCase,
@@ -212,9 +212,9 @@ fn named_finding(
     };
     let mut naming = settled(case, &open, most, progress)?;
     let best = naming.best();
-    if case.chased.is_some() && !best.names.is_empty() && case.contradicts(&best.fit.model) {
+    if !best.names.is_empty() && case.contradicts(&best.fit.model) {
         case.doubt();
-        progress("the same with less faith in the FMU's parameters");
+        progress("the same with less faith in the model's numbers");
         naming = settled(case, &open, most, progress)?;
     }
     if let Some(share) = share_of_a_sample(case, &naming) {
@@ -234,8 +234,7 @@ fn named_finding(
     Ok(found)
 }
 
-/// The force that an FMU lacks depends on its parameters, and how much the knowledge of those weighs on what is named: so until the names
-/// do not change any more. Numbers that are far off leave structure that the right ones do not, which effects would stand in for: so with
+/// The force that an FMU lacks depends on its parameters: so until the names do not change any more. Numbers that are far off leave structure that the right ones do not, which effects would stand in for: so with
 /// an effect more each time.
 fn settled(
     case: &mut SmallCase,
@@ -278,11 +277,10 @@ fn names(
 /// What sets of effects are fitted to. Where a joint sticks and for how long tells more of its friction than the forces while it moves.
 fn problem(case: &SmallCase) -> Box<dyn Problem> {
     match case.kind() {
-        Kind::Joint => Box::new(Swing::pieces(
-            &case.records,
-            &case.model.measurement,
-            &case.scales,
-        )),
+        Kind::Joint => Box::new(
+            Swing::pieces(&case.records, &case.model.measurement, &case.scales)
+                .knowing(&case.known),
+        ),
         _ => Box::new(balance(case)),
     }
 }

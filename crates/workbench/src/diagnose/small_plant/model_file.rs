@@ -10,9 +10,11 @@ use super::columns::{ColumnError, Columns};
 use super::fmu::ports::Ports;
 use super::model_reader::read;
 use inference::body::catalogue::CATALOGUE;
+use inference::body::known::Known;
 use inference::body::model::Model;
 use inference::body::motion::Measurement;
 use inference::body::term::Entry;
+use inference::policy::SURELY;
 
 /// What is wrong with a small plant's model file.
 #[derive(Debug, Error)]
@@ -61,6 +63,30 @@ impl SmallModel {
     pub fn port_names(&self) -> Vec<&str> {
         let ports = self.ports.iter().flat_map(|ports| &ports.ports);
         ports.filter_map(|port| port.name.as_deref()).collect()
+    }
+
+    /// Numbers that the file states with a standard deviation or an interval.
+    #[must_use]
+    pub fn known(&self) -> Vec<Known> {
+        let terms = self.model.terms().iter().enumerate();
+        let numbers = terms.flat_map(|(at, term)| {
+            let values = term.entry.parameters.iter().zip(&term.values).enumerate();
+            values.filter_map(move |(number, (parameter, &value))| {
+                let origin = self.origins.get(&dotted(term.entry, parameter.key))?;
+                let deviation = match (origin.relative_uncertainty, origin.interval95) {
+                    (Some(share), _) => share * value.abs(),
+                    (None, Some([low, high])) => 0.5 * (high - low) / SURELY,
+                    (None, None) => 0.0,
+                };
+                (deviation > 0.0).then_some(Known {
+                    term: at,
+                    number,
+                    value,
+                    deviation,
+                })
+            })
+        });
+        numbers.collect()
     }
 
     /// Whether a load is measured, or an FMU's is named.

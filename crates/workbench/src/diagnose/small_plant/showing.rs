@@ -38,8 +38,13 @@ pub struct Course {
 #[must_use]
 pub fn balance(case: &SmallCase) -> Balance {
     Balance::new(&case.records, &case.model.measurement, &case.scales)
-        .knowing(&case.model.model, case.known)
+        .knowing(&case.known)
         .weighing(&case.weights)
+}
+
+/// Free runs through all that was learned from.
+fn whole(case: &SmallCase) -> Swing {
+    Swing::whole(&case.records, &case.model.measurement, &case.scales).knowing(&case.known)
 }
 
 /// A model's numbers brought to their best on all that was learned from: a pendulum's on ever longer stretches up to one
@@ -55,8 +60,9 @@ pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
     loop {
         let swing = if length < longest {
             Swing::cut(&case.records, &case.model.measurement, &case.scales, length)
+                .knowing(&case.known)
         } else {
-            Swing::whole(&case.records, &case.model.measurement, &case.scales)
+            whole(case)
         };
         best = fit(&swing, &best.model, &case.scales, None, POLISH);
         if length >= longest {
@@ -71,7 +77,7 @@ pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
 pub fn final_intervals(case: &SmallCase, fitted: &Fit) -> Vec<Interval> {
     match case.kind() {
         Kind::Pendulum | Kind::Joint => {
-            let swing = Swing::whole(&case.records, &case.model.measurement, &case.scales);
+            let swing = whole(case);
             intervals(&swing, fitted, &case.scales)
         }
         Kind::Drive | Kind::Contact | Kind::Balance | Kind::Fmu => {

@@ -6,7 +6,7 @@ use stickslip::parameter::Range;
 
 use super::ports::{Input, Port, Ports};
 use inference::body::catalogue::CATALOGUE;
-use inference::body::term::{Entry, Formula, Place, Role};
+use inference::body::term::{Entry, Formula, Place, Pursued, Role};
 
 /// An effect of an FMU without anything that only some have.
 const PLAIN: Entry = Entry {
@@ -22,6 +22,7 @@ const PLAIN: Entry = Entry {
     formula: Formula::Code {
         force: |_, _, _| 0.0,
         starts: &[],
+        linear: &[],
     },
     own: false,
     place: Place::Everywhere,
@@ -67,7 +68,7 @@ pub fn effects(ports: &Ports, parameters: &[Parameter]) -> Vec<&'static Entry> {
                 Range::Finite,
                 "share by which it changes in a minute",
             )),
-            formula: Formula::Drift(at),
+            formula: Formula::Pursued(Pursued::Drift(at)),
             ..PLAIN
         });
     }
@@ -158,7 +159,7 @@ fn of_input(at: usize, name: &str, input: &Input) -> Entry {
             Range::Finite,
             "what the plant has beyond the reading",
         )),
-        formula: Formula::Offset(at),
+        formula: Formula::Pursued(Pursued::Offset(at)),
         ..PLAIN
     }
 }

@@ -1,0 +1,392 @@
+//! A record with measured force, filtered and thinned for comparison with the force that a model needs.
+
+use std::sync::Arc;
+
+use super::eccentricity::Eccentricity;
+use super::filter::LowPass;
+use super::model::{AT_ONCE, Model};
+use super::motion::{Measurement, Motion};
+use super::series::{Key, Memory, Series};
+use super::term::{Formula, Pursued, Sample};
+
+/// Order of the low-pass that both forces go through.
+const ORDER: usize = 8;
+
+/// A record, prepared for comparison.
+#[derive(Debug, Clone)]
+pub struct Prepared {
+    motion: Motion,
+    filter: Option<LowPass>,
+    stride: usize,
+    edge: usize,
+    /// Which of the thinned moments say something.
+    kept: Vec<usize>,
+    /// Measured force, filtered and thinned.
+    measured: Vec<f64>,
+    /// Every moment as it was read: what most models are asked about.
+    read: Vec<Sample>,
+    /// By how much an FMU's missing force falls as the motion at each port is read later, filtered and thinned.
+    delayed: Vec<Vec<f64>>,
+    memory: Arc<Memory>,
+}
+
+impl Prepared {
+    /// Prepares a record.
+    #[must_use]
+    pub fn new(motion: &Motion, measurement: &Measurement) -> Self {
+        let stride = (1.0 / (measurement.compare_rate * motion.interval))
+            .round()
+            .max(1.0) as usize;
+        let filter = motion
+            .cut_off
+            .or(measurement.compare_low_pass)
+            .map(|cut_off| LowPass::new(cut_off, ORDER, motion.interval));
+        let mut prepared = Self {
+            motion: motion.clone(),
+            filter,
+            stride,
+            edge: (measurement.edge / motion.interval).round() as usize,
+            kept: Vec::new(),
+            measured: Vec::new(),
+            read: Vec::new(),
+            delayed: Vec::new(),
+            memory: Arc::default(),
+        };
+        prepared.kept = prepared.moving();
+        prepared.read = (0..motion.len()).map(|at| prepared.sample(at, 0)).collect();
+        prepared.measured = prepared.thinned(&motion.force);
+        let delayed = motion.pursuit.iter().flat_map(|own| &own.delayed);
+        prepared.delayed = delayed.map(|series| prepared.thinned(series)).collect();
+        prepared
+    }
+
+    /// The record.
+    #[must_use]
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// Measured force at the compared moments, after the low-pass.
+    #[must_use]
+    pub fn measured(&self) -> &[f64] {
+        &self.measured
+    }
+
+    /// Time between compared moments [s].
+    #[must_use]
+    pub fn interval(&self) -> f64 {
+        self.motion.interval * self.stride as f64
+    }
+
+    /// A compared moment.
+    #[must_use]
+    pub fn moment(&self, at: usize) -> Sample {
+        self.sample(self.edge + self.kept[at] * self.stride, 0)
+    }
+
+    /// A series after the low-pass, at the moments that are compared.
+    fn thinned(&self, series: &[f64]) -> Vec<f64> {
+        let known;
+        let mut series = series;
+        if self.motion.tells.contains(&false) {
+            // The filter would spread what friction takes at rest, which nobody knows, over the moments beside.
+            let pairs = series.iter().zip(&self.motion.tells);
+            known = pairs
+                .map(|(value, tells)| if *tells { *value } else { 0.0 })
+                .collect::<Vec<f64>>();
+            series = &known;
+        }
+        let filtered = self.filter.as_ref().map(|filter| filter.apply(series));
+        let series = filtered.as_deref().unwrap_or(series);
+        let at = |kept: &usize| series[self.edge + kept * self.stride];
+        self.kept.iter().map(at).collect()
+    }
+
+    /// The moments to compare: not at the edges, every so many samples, and where the force that an FMU lacks is known.
+    fn moving(&self) -> Vec<usize> {
+        let count = self.motion.len().saturating_sub(2 * self.edge);
+        let tells = |kept: &usize| self.motion.tells[self.edge + kept * self.stride];
+        (0..count.div_ceil(self.stride)).filter(tells).collect()
+    }
+
+    /// The moment at sample `at`, with the motion of so many samples later.
+    fn sample(&self, at: usize, shift: i64) -> Sample {
+        let motion = &self.motion;
+        let last = motion.len().saturating_sub(1);
+        let there = at.saturating_add_signed(shift as isize).min(last);
+        Sample {
+            time: motion.begin + at as f64 * motion.interval,
+            position: motion.position[there],
+            velocity: motion.velocity[there],
+            acceleration: motion.acceleration[there],
+            direction: motion.direction[there],
+            load: motion.load[at],
+            predicted: motion.predicted[there],
+            voltage: motion.voltage[at],
+            connected: motion.connected[at],
+            driving: motion.driving[at],
+            port: motion.port,
+            motor: 0.0,
+        }
+    }
+
+    /// Inertia that the port of an FMU shows with a model; `None` of the other kinds.
+    fn inertia(&self, model: &Model) -> Option<f64> {
+        let (pursuit, base) = (self.motion.pursuit.as_ref()?, model.terms().first()?);
+        let moved = base
+            .values
+            .iter()
+            .zip(&pursuit.at)
+            .zip(&pursuit.inertia_slopes);
+        let more: f64 = moved.map(|((value, at), slope)| (value - at) * slope).sum();
+        let still = Sample {
+            port: self.motion.port,
+            ..Sample::default()
+        };
+        let accelerated = Sample {
+            acceleration: 1.0,
+            ..still
+        };
+        let added = model.force(&accelerated) - model.force(&still);
+        Some(pursuit.inertia + more + added)
+    }
+
+    /// The port's inertia of the FMU over that of a model. Noise is that of the motion, which the inertia makes a
+    /// force: without it the lightest plant would be the best, since it leaves no force at all.
+    #[must_use]
+    pub fn lightness(&self, model: &Model) -> f64 {
+        match (&self.motion.pursuit, self.inertia(model)) {
+            (Some(pursuit), Some(inertia)) if inertia > 0.0 => pursuit.inertia / inertia,
+            (Some(_), Some(_)) => f64::NAN,
+            _ => 1.0,
+        }
+    }
+
+    /// Share by which that grows with a number in which the model is linear.
+    #[must_use]
+    pub fn lighter(&self, model: &Model, (term, number): (usize, usize)) -> f64 {
+        let Some(inertia) = self.inertia(model) else {
+            return 0.0;
+        };
+        let mut moved = model.clone();
+        moved.set(term, number, model.value(term, number) + 1.0);
+        self.inertia(&moved)
+            .map_or(0.0, |heavier| (inertia - heavier) / inertia)
+    }
+
+    /// The force that a model needs, at the compared moments.
+    #[must_use]
+    pub fn force(&self, model: &Model) -> Vec<f64> {
+        let mut sum = vec![0.0; self.kept.len()];
+        for (weight, read) in self.readings(model) {
+            for at in model.acting(self.motion.port) {
+                let term = &model.terms()[at];
+                let series = self.of_term(model, at, &read);
+                if let Some(constant) = &series.constant {
+                    add(&mut sum, constant, weight);
+                }
+                for (number, slope) in term.entry.linear().into_iter().zip(&series.slopes) {
+                    add(&mut sum, slope, weight * term.values[number]);
+                }
+            }
+            if model.kind.runs_alone() {
+                add(&mut sum, &self.acceleration(&read).slopes[0], weight);
+            }
+        }
+        for (later, series) in self.later(model).iter().zip(&self.delayed) {
+            add(&mut sum, series, *later);
+        }
+        sum
+    }
+
+    /// What one more of a number adds to that force: the one at this place among those in which the term is linear.
+    #[must_use]
+    pub fn slope(&self, model: &Model, at: usize, place: usize) -> Vec<f64> {
+        let mut sum = vec![0.0; self.kept.len()];
+        for (weight, read) in self.readings(model) {
+            add(
+                &mut sum,
+                &self.of_term(model, at, &read).slopes[place],
+                weight,
+            );
+        }
+        sum
+    }
+
+    /// By how much later a model has the motion at each port read than the record has it [s].
+    fn later(&self, model: &Model) -> Vec<f64> {
+        match &self.motion.pursuit {
+            Some(pursuit) => {
+                let delays = pursuit.at_delays.iter().enumerate();
+                delays
+                    .map(|(at, found_at)| model.delay(at) - found_at)
+                    .collect()
+            }
+            None => vec![model.delay(self.motion.port)],
+        }
+    }
+
+    /// How a model reads the motion: between whole samples the forces are read on the cubic through those of four.
+    fn readings(&self, model: &Model) -> Vec<(f64, Reading)> {
+        // What is read now was there `delay` ago: the motion that goes with this force is read later.
+        let later = self.later(model).get(self.motion.port).copied();
+        let place = later.map_or(0.0, |own| own / self.motion.interval);
+        let encoder = model.eccentricity();
+        let part = place - place.floor();
+        let reading = |(weight, more): (f64, i64)| {
+            let shift = place.floor() as i64 + more;
+            (weight, Reading { shift, encoder })
+        };
+        if part == 0.0 {
+            return vec![reading((1.0, 0))];
+        }
+        // Lagrange's weights at −1, 0, 1, 2.
+        let weights = [
+            (-part * (part - 1.0) * (part - 2.0) / 6.0, -1),
+            ((part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0, 0),
+            (-(part + 1.0) * part * (part - 2.0) / 2.0, 1),
+            ((part + 1.0) * part * (part - 1.0) / 6.0, 2),
+        ];
+        weights.into_iter().map(reading).collect()
+    }
+
+    /// Acceleration at the compared moments.
+    fn acceleration(&self, read: &Reading) -> Arc<Series> {
+        let key = Key {
+            term: "",
+            bits: read.bits(),
+        };
+        self.memory.get(key, || {
+            let mut series = Vec::with_capacity(self.read.len());
+            self.each_block(read, |samples| {
+                series.extend(samples.iter().map(|sample| sample.acceleration));
+            });
+            Series {
+                constant: None,
+                slopes: vec![self.thinned(&series)],
+            }
+        })
+    }
+
+    /// What a term gives to the force.
+    fn of_term(&self, model: &Model, at: usize, read: &Reading) -> Arc<Series> {
+        let term = &model.terms()[at];
+        let linear = term.entry.linear();
+        let shapes = (0..term.values.len()).filter(|number| !linear.contains(number));
+        let mut bits = read.bits();
+        bits.extend(shapes.map(|number| term.values[number].to_bits()));
+        bits.extend(model.context(at).into_iter().map(f64::to_bits));
+        let key = Key {
+            term: term.entry.name,
+            bits,
+        };
+        self.memory.get(key, || {
+            let (constant, slopes) = match term.entry.formula {
+                Formula::Pursued(what) => self.pursued(what),
+                _ => self.forces(model, at, read),
+            };
+            let is_nothing = constant.iter().all(|own| *own == 0.0);
+            Series {
+                slopes: slopes.iter().map(|own| self.thinned(own)).collect(),
+                constant: (!is_nothing).then(|| self.thinned(&constant)),
+            }
+        })
+    }
+
+    /// A term's force at every moment with its linear numbers at zero, and what one more of each adds.
+    fn forces(&self, model: &Model, at: usize, read: &Reading) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let term = &model.terms()[at];
+        let linear = term.entry.linear();
+        let mut nothing = term.values.clone();
+        for number in &linear {
+            nothing[*number] = 0.0;
+        }
+        let one_of = |number: &usize| {
+            let mut one = nothing.clone();
+            one[*number] = 1.0;
+            one
+        };
+        let numbers = linear.iter().map(one_of).chain([nothing.clone()]);
+        let numbers: Vec<Vec<f64>> = numbers.collect();
+        let mut series = vec![Vec::with_capacity(self.read.len()); numbers.len()];
+        self.each_block(read, |samples| {
+            model.add_forces_of(at, &numbers, samples, &mut series);
+        });
+        let constant = series.pop().unwrap_or_default();
+        for own in &mut series {
+            for (own, constant) in own.iter_mut().zip(&constant) {
+                *own -= constant;
+            }
+        }
+        (constant, series)
+    }
+
+    /// The same of what stands in the record of an FMU.
+    fn pursued(&self, what: Pursued) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let Some(pursuit) = &self.motion.pursuit else {
+            return (Vec::new(), Vec::new());
+        };
+        match what {
+            Pursued::Parameters => {
+                let nominal = pursuit.nominal.iter().map(|own| -own);
+                (nominal.collect(), pursuit.slopes.clone())
+            }
+            Pursued::Drift(number) => {
+                let value = pursuit.at[number];
+                let grown = |(at, slope): (usize, &f64)| {
+                    let time = self.motion.begin + at as f64 * self.motion.interval;
+                    slope * value * time / 60.0
+                };
+                let slopes = pursuit.slopes[number].iter().enumerate();
+                (Vec::new(), vec![slopes.map(grown).collect()])
+            }
+            Pursued::Offset(number) => (Vec::new(), vec![pursuit.offsets[number].clone()]),
+        }
+    }
+
+    /// Every moment as it is read, block by block.
+    fn each_block(&self, read: &Reading, mut of: impl FnMut(&[Sample])) {
+        let mut moved = Vec::with_capacity(AT_ONCE);
+        for (block, samples) in self.read.chunks(AT_ONCE).enumerate() {
+            if read.shift == 0 && read.encoder.is_none() {
+                of(samples);
+                continue;
+            }
+            moved.clear();
+            moved.extend(samples.iter().enumerate().map(|(at, sample)| {
+                let shifted = match read.shift {
+                    0 => *sample,
+                    shift => self.sample(block * AT_ONCE + at, shift),
+                };
+                match &read.encoder {
+                    Some(encoder) => encoder.motion(&shifted),
+                    None => shifted,
+                }
+            }));
+            of(&moved);
+        }
+    }
+}
+
+/// How the motion is read.
+struct Reading {
+    /// Samples by which it is read later.
+    shift: i64,
+    encoder: Option<Eccentricity>,
+}
+
+impl Reading {
+    fn bits(&self) -> Vec<u64> {
+        let encoder = self.encoder.iter().flat_map(|own| [own.cosine, own.sine]);
+        [self.shift.cast_unsigned()]
+            .into_iter()
+            .chain(encoder.map(f64::to_bits))
+            .collect()
+    }
+}
+
+fn add(sum: &mut [f64], series: &[f64], times: f64) {
+    for (sum, value) in sum.iter_mut().zip(series) {
+        *sum += times * value;
+    }
+}
