@@ -25,6 +25,7 @@ pub mod naming;
 pub mod prepared;
 pub mod problem;
 mod series;
+mod shift;
 pub mod start;
 pub mod structure;
 pub mod swing;

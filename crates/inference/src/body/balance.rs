@@ -47,10 +47,7 @@ impl Balance {
             .collect();
         let interval = prepared.first().map_or(1.0, Prepared::interval);
         let piece = ((PIECE * scales.period / interval).round() as usize).max(4);
-        let pieces: Vec<usize> = prepared
-            .iter()
-            .map(|p| p.measured().len().div_ceil(piece))
-            .collect();
+        let pieces: Vec<usize> = prepared.iter().map(|p| p.count().div_ceil(piece)).collect();
         let seconds: f64 = prepared.iter().map(|p| p.motion().seconds()).sum();
         let count = ((seconds / (FOLD * scales.period)).round() as usize).clamp(3, MOST_FOLDS);
         let total: usize = pieces.iter().sum();
@@ -101,7 +98,7 @@ impl Balance {
         self.records
             .iter()
             .flat_map(|own| {
-                let pieces = own.measured().len().div_ceil(self.piece);
+                let pieces = own.count().div_ceil(self.piece);
                 vec![own.motion().port == port; pieces]
             })
             .collect()
@@ -128,7 +125,8 @@ impl Balance {
         for record in &self.records {
             let forces = record.force(model);
             let lightness = record.lightness(model) * self.weight(record);
-            for (at, (measured, force)) in record.measured().iter().zip(forces).enumerate() {
+            let measured = record.measured(model);
+            for (at, (measured, force)) in measured.into_iter().zip(forces).enumerate() {
                 all.push(Compared {
                     sample: record.moment(at),
                     measured: lightness * measured,
@@ -144,7 +142,10 @@ impl Balance {
     pub fn piece_lengths(&self) -> Vec<usize> {
         self.records
             .iter()
-            .flat_map(|record| record.measured().chunks(self.piece).map(<[f64]>::len))
+            .flat_map(|record| {
+                let starts = (0..record.count()).step_by(self.piece);
+                starts.map(|start| self.piece.min(record.count() - start))
+            })
             .collect()
     }
 }
@@ -177,7 +178,7 @@ impl Problem for Balance {
             let forces = record.force(model);
             let lightness = record.lightness(model) * self.weight(record);
             for (measured, forces) in record
-                .measured()
+                .measured(model)
                 .chunks(self.piece)
                 .zip(forces.chunks(self.piece))
             {
@@ -207,7 +208,7 @@ impl Problem for Balance {
             let acts = model.acting(record.motion().port).any(|at| at == term);
             let slopes = match acts {
                 true => record.slope(model, term, place),
-                false => vec![0.0; record.measured().len()],
+                false => vec![0.0; record.count()],
             };
             for slopes in slopes.chunks(self.piece) {
                 let pairs = slopes.iter().zip(residuals.next()?);

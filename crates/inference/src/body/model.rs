@@ -116,7 +116,7 @@ impl Model {
                 .map(|(at, _)| at)
         };
         of_role(Role::Law)
-            .last()
+            .next_back()
             .into_iter()
             .chain(of_role(Role::Friction))
             .chain(of_role(Role::Added))
@@ -129,6 +129,16 @@ impl Model {
         let is_base_of_joint = self.kind == Kind::Joint && at == 0;
         is_base_of_joint
             || is_friction && self.terms.iter().any(|own| own.entry.multiplies_friction())
+    }
+
+    /// Whether the force of a term depends on a load, alone or through the friction that it multiplies.
+    #[must_use]
+    pub fn depends_on_load(&self, at: usize) -> bool {
+        let multiplies = self.terms[at].entry.multiplies_friction();
+        let is_loaded = |own: &Term| {
+            matches!(own.entry.role, Role::Law | Role::Friction) && own.entry.needs_load
+        };
+        self.terms[at].entry.needs_load || multiplies && self.terms.iter().any(is_loaded)
     }
 
     /// Numbers of other terms on which the force of this one depends.

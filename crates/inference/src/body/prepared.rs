@@ -7,6 +7,7 @@ use super::filter::LowPass;
 use super::model::{AT_ONCE, Model};
 use super::motion::{Measurement, Motion};
 use super::series::{Key, Memory, Series};
+use super::shift::{between, turned};
 use super::term::{Formula, Pursued, Sample};
 
 /// Order of the low-pass that both forces go through.
@@ -21,12 +22,10 @@ pub struct Prepared {
     edge: usize,
     /// Which of the thinned moments say something.
     kept: Vec<usize>,
-    /// Measured force, filtered and thinned.
-    measured: Vec<f64>,
     /// Every moment as it was read: what most models are asked about.
     read: Vec<Sample>,
-    /// By how much an FMU's missing force falls as the motion at each port is read later, filtered and thinned.
-    delayed: Vec<Vec<f64>>,
+    /// The measured force after the low-pass.
+    passed: Vec<f64>,
     memory: Arc<Memory>,
 }
 
@@ -47,17 +46,21 @@ impl Prepared {
             stride,
             edge: (measurement.edge / motion.interval).round() as usize,
             kept: Vec::new(),
-            measured: Vec::new(),
             read: Vec::new(),
-            delayed: Vec::new(),
+            passed: Vec::new(),
             memory: Arc::default(),
         };
         prepared.kept = prepared.moving();
-        prepared.read = (0..motion.len()).map(|at| prepared.sample(at, 0)).collect();
-        prepared.measured = prepared.thinned(&motion.force);
-        let delayed = motion.pursuit.iter().flat_map(|own| &own.delayed);
-        prepared.delayed = delayed.map(|series| prepared.thinned(series)).collect();
+        prepared.read = (0..motion.len())
+            .map(|at| prepared.sample(at, motion.load[at]))
+            .collect();
+        prepared.passed = prepared.passed(&motion.force);
         prepared
+    }
+
+    /// Whether every moment says something.
+    fn is_whole(&self) -> bool {
+        !self.motion.tells.contains(&false)
     }
 
     /// The record.
@@ -66,10 +69,10 @@ impl Prepared {
         &self.motion
     }
 
-    /// Measured force at the compared moments, after the low-pass.
+    /// Number of compared moments.
     #[must_use]
-    pub fn measured(&self) -> &[f64] {
-        &self.measured
+    pub fn count(&self) -> usize {
+        self.kept.len()
     }
 
     /// Time between compared moments [s].
@@ -81,14 +84,14 @@ impl Prepared {
     /// A compared moment.
     #[must_use]
     pub fn moment(&self, at: usize) -> Sample {
-        self.sample(self.edge + self.kept[at] * self.stride, 0)
+        self.read[self.edge + self.kept[at] * self.stride]
     }
 
     /// A series after the low-pass, at the moments that are compared.
     fn thinned(&self, series: &[f64]) -> Vec<f64> {
         let known;
         let mut series = series;
-        if self.motion.tells.contains(&false) {
+        if !self.is_whole() {
             // The filter would spread what friction takes at rest, which nobody knows, over the moments beside.
             let pairs = series.iter().zip(&self.motion.tells);
             known = pairs
@@ -96,10 +99,15 @@ impl Prepared {
                 .collect::<Vec<f64>>();
             series = &known;
         }
-        let filtered = self.filter.as_ref().map(|filter| filter.apply(series));
-        let series = filtered.as_deref().unwrap_or(series);
+        let series = self.passed(series);
         let at = |kept: &usize| series[self.edge + kept * self.stride];
         self.kept.iter().map(at).collect()
+    }
+
+    /// A series after the low-pass, if there is one.
+    fn passed(&self, series: &[f64]) -> Vec<f64> {
+        let filter = self.filter.as_ref();
+        filter.map_or_else(|| series.to_vec(), |own| own.apply(series))
     }
 
     /// The moments to compare: not at the edges, every so many samples, and where the force that an FMU lacks is known.
@@ -109,19 +117,17 @@ impl Prepared {
         (0..count.div_ceil(self.stride)).filter(tells).collect()
     }
 
-    /// The moment at sample `at`, with the motion of so many samples later.
-    fn sample(&self, at: usize, shift: i64) -> Sample {
+    /// The motion at sample `at`, under this load.
+    fn sample(&self, at: usize, load: f64) -> Sample {
         let motion = &self.motion;
-        let last = motion.len().saturating_sub(1);
-        let there = at.saturating_add_signed(shift as isize).min(last);
         Sample {
             time: motion.begin + at as f64 * motion.interval,
-            position: motion.position[there],
-            velocity: motion.velocity[there],
-            acceleration: motion.acceleration[there],
-            direction: motion.direction[there],
-            load: motion.load[at],
-            predicted: motion.predicted[there],
+            position: motion.position[at],
+            velocity: motion.velocity[at],
+            acceleration: motion.acceleration[at],
+            direction: motion.direction[at],
+            load,
+            predicted: motion.predicted[at],
             voltage: motion.voltage[at],
             connected: motion.connected[at],
             driving: motion.driving[at],
@@ -174,27 +180,44 @@ impl Prepared {
             .map_or(0.0, |heavier| (inertia - heavier) / inertia)
     }
 
+    /// Measured force at the compared moments of a motion that was read as the model says.
+    #[must_use]
+    pub fn measured(&self, model: &Model) -> Vec<f64> {
+        let earlier = self.earlier(model);
+        if earlier != 0.0 && self.is_whole() && self.filter.is_some() {
+            let first = self.edge as f64 - earlier;
+            return between(&self.passed, first, self.stride, self.count());
+        }
+        self.of_record(earlier, ("measured", 0), &self.motion.force)
+    }
+
     /// The force that a model needs, at the compared moments.
     #[must_use]
     pub fn force(&self, model: &Model) -> Vec<f64> {
-        let mut sum = vec![0.0; self.kept.len()];
-        for (weight, read) in self.readings(model) {
-            for at in model.acting(self.motion.port) {
-                let term = &model.terms()[at];
-                let series = self.of_term(model, at, &read);
-                if let Some(constant) = &series.constant {
-                    add(&mut sum, constant, weight);
-                }
-                for (number, slope) in term.entry.linear().into_iter().zip(&series.slopes) {
-                    add(&mut sum, slope, weight * term.values[number]);
-                }
+        let mut sum = vec![0.0; self.count()];
+        for at in model.acting(self.motion.port) {
+            let term = &model.terms()[at];
+            let series = self.of_term(model, at);
+            if let Some(constant) = &series.constant {
+                add(&mut sum, constant, 1.0);
             }
-            if model.kind.runs_alone() {
-                add(&mut sum, &self.acceleration(&read).slopes[0], weight);
+            for (number, slope) in term.entry.linear().into_iter().zip(&series.slopes) {
+                add(&mut sum, slope, term.values[number]);
             }
         }
-        for (later, series) in self.later(model).iter().zip(&self.delayed) {
-            add(&mut sum, series, *later);
+        if model.kind.runs_alone() {
+            add(&mut sum, &self.acceleration(model).slopes[0], 1.0);
+        }
+        if let Some(pursuit) = &self.motion.pursuit {
+            let earlier = self.earlier(model);
+            let later = self.later(model);
+            for (at, (later, series)) in later.iter().zip(&pursuit.delayed).enumerate() {
+                add(
+                    &mut sum,
+                    &self.of_record(earlier, ("delayed", at), series),
+                    *later,
+                );
+            }
         }
         sum
     }
@@ -202,15 +225,7 @@ impl Prepared {
     /// What one more of a number adds to that force: the one at this place among those in which the term is linear.
     #[must_use]
     pub fn slope(&self, model: &Model, at: usize, place: usize) -> Vec<f64> {
-        let mut sum = vec![0.0; self.kept.len()];
-        for (weight, read) in self.readings(model) {
-            add(
-                &mut sum,
-                &self.of_term(model, at, &read).slopes[place],
-                weight,
-            );
-        }
-        sum
+        self.of_term(model, at).slopes[place].clone()
     }
 
     /// By how much later a model has the motion at each port read than the record has it [s].
@@ -226,39 +241,43 @@ impl Prepared {
         }
     }
 
-    /// How a model reads the motion: between whole samples the forces are read on the cubic through those of four.
-    fn readings(&self, model: &Model) -> Vec<(f64, Reading)> {
-        // What is read now was there `delay` ago: the motion that goes with this force is read later.
+    /// By how many samples earlier the force and the load were read that go with a motion: its own reading lags behind.
+    fn earlier(&self, model: &Model) -> f64 {
         let later = self.later(model).get(self.motion.port).copied();
-        let place = later.map_or(0.0, |own| own / self.motion.interval);
-        let encoder = model.eccentricity();
-        let part = place - place.floor();
-        let reading = |(weight, more): (f64, i64)| {
-            let shift = place.floor() as i64 + more;
-            (weight, Reading { shift, encoder })
+        later.map_or(0.0, |own| own / self.motion.interval)
+    }
+
+    /// A series of the record at the compared moments.
+    fn of_record(
+        &self,
+        earlier: f64,
+        (name, number): (&'static str, usize),
+        series: &[f64],
+    ) -> Vec<f64> {
+        let key = Key {
+            term: name,
+            bits: vec![number as u64, earlier.to_bits()],
         };
-        if part == 0.0 {
-            return vec![reading((1.0, 0))];
-        }
-        // Lagrange's weights at −1, 0, 1, 2.
-        let weights = [
-            (-part * (part - 1.0) * (part - 2.0) / 6.0, -1),
-            ((part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0, 0),
-            (-(part + 1.0) * part * (part - 2.0) / 2.0, 1),
-            ((part + 1.0) * part * (part - 1.0) / 6.0, 2),
-        ];
-        weights.into_iter().map(reading).collect()
+        let own = self.memory.get(key, || Series {
+            constant: None,
+            slopes: vec![self.thinned(&self.moved(series, earlier))],
+        });
+        own.slopes[0].clone()
     }
 
     /// Acceleration at the compared moments.
-    fn acceleration(&self, read: &Reading) -> Arc<Series> {
+    fn acceleration(&self, model: &Model) -> Arc<Series> {
+        let read = Reading {
+            earlier: 0.0,
+            encoder: model.eccentricity(),
+        };
         let key = Key {
-            term: "",
+            term: "acceleration",
             bits: read.bits(),
         };
         self.memory.get(key, || {
             let mut series = Vec::with_capacity(self.read.len());
-            self.each_block(read, |samples| {
+            self.each_block(&read, |samples| {
                 series.extend(samples.iter().map(|sample| sample.acceleration));
             });
             Series {
@@ -269,8 +288,16 @@ impl Prepared {
     }
 
     /// What a term gives to the force.
-    fn of_term(&self, model: &Model, at: usize, read: &Reading) -> Arc<Series> {
+    fn of_term(&self, model: &Model, at: usize) -> Arc<Series> {
         let term = &model.terms()[at];
+        let is_pursued = matches!(term.entry.formula, Formula::Pursued(_));
+        let read = Reading {
+            earlier: match is_pursued || model.depends_on_load(at) {
+                true => self.earlier(model),
+                false => 0.0,
+            },
+            encoder: model.eccentricity(),
+        };
         let linear = term.entry.linear();
         let shapes = (0..term.values.len()).filter(|number| !linear.contains(number));
         let mut bits = read.bits();
@@ -282,8 +309,8 @@ impl Prepared {
         };
         self.memory.get(key, || {
             let (constant, slopes) = match term.entry.formula {
-                Formula::Pursued(what) => self.pursued(what),
-                _ => self.forces(model, at, read),
+                Formula::Pursued(what) => self.pursued(what, read.earlier),
+                _ => self.forces(model, at, &read),
             };
             let is_nothing = constant.iter().all(|own| *own == 0.0);
             Series {
@@ -322,11 +349,11 @@ impl Prepared {
     }
 
     /// The same of what stands in the record of an FMU.
-    fn pursued(&self, what: Pursued) -> (Vec<f64>, Vec<Vec<f64>>) {
+    fn pursued(&self, what: Pursued, earlier: f64) -> (Vec<f64>, Vec<Vec<f64>>) {
         let Some(pursuit) = &self.motion.pursuit else {
             return (Vec::new(), Vec::new());
         };
-        match what {
+        let (constant, slopes) = match what {
             Pursued::Parameters => {
                 let nominal = pursuit.nominal.iter().map(|own| -own);
                 (nominal.collect(), pursuit.slopes.clone())
@@ -341,47 +368,51 @@ impl Prepared {
                 (Vec::new(), vec![slopes.map(grown).collect()])
             }
             Pursued::Offset(number) => (Vec::new(), vec![pursuit.offsets[number].clone()]),
+        };
+        let moved = |series: &Vec<f64>| self.moved(series, earlier);
+        (moved(&constant), slopes.iter().map(moved).collect())
+    }
+
+    /// A series as it was so many samples earlier.
+    fn moved(&self, series: &[f64], earlier: f64) -> Vec<f64> {
+        match self.filter {
+            _ if earlier == 0.0 || series.is_empty() => series.to_vec(),
+            Some(_) => between(series, -earlier, 1, series.len()),
+            None => turned(series, earlier),
         }
     }
 
     /// Every moment as it is read, block by block.
-    fn each_block(&self, read: &Reading, mut of: impl FnMut(&[Sample])) {
-        let mut moved = Vec::with_capacity(AT_ONCE);
-        for (block, samples) in self.read.chunks(AT_ONCE).enumerate() {
-            if read.shift == 0 && read.encoder.is_none() {
-                of(samples);
-                continue;
-            }
-            moved.clear();
-            moved.extend(samples.iter().enumerate().map(|(at, sample)| {
-                let shifted = match read.shift {
-                    0 => *sample,
-                    shift => self.sample(block * AT_ONCE + at, shift),
-                };
-                match &read.encoder {
-                    Some(encoder) => encoder.motion(&shifted),
-                    None => shifted,
-                }
-            }));
-            of(&moved);
+    fn each_block(&self, read: &Reading, of: impl FnMut(&[Sample])) {
+        if read.earlier == 0.0 && read.encoder.is_none() {
+            self.read.chunks(AT_ONCE).for_each(of);
+            return;
         }
+        let load = self.moved(&self.motion.load, read.earlier);
+        let samples: Vec<Sample> = load
+            .into_iter()
+            .enumerate()
+            .map(|(at, load)| {
+                let own = self.sample(at, load);
+                read.encoder.map_or(own, |encoder| encoder.motion(&own))
+            })
+            .collect();
+        samples.chunks(AT_ONCE).for_each(of);
     }
 }
 
-/// How the motion is read.
+/// How the motion is read, and the load that goes with it.
 struct Reading {
-    /// Samples by which it is read later.
-    shift: i64,
+    /// Samples by which the load was read earlier.
+    earlier: f64,
     encoder: Option<Eccentricity>,
 }
 
 impl Reading {
     fn bits(&self) -> Vec<u64> {
         let encoder = self.encoder.iter().flat_map(|own| [own.cosine, own.sine]);
-        [self.shift.cast_unsigned()]
-            .into_iter()
-            .chain(encoder.map(f64::to_bits))
-            .collect()
+        let all = [self.earlier].into_iter().chain(encoder);
+        all.map(f64::to_bits).collect()
     }
 }
 

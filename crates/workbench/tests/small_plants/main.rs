@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 mod bad_input;
+mod beliefs;
 #[path = "../common/mod.rs"]
 mod common;
 mod fmus;
