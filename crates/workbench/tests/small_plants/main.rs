@@ -7,6 +7,7 @@ mod beliefs;
 #[path = "../common/mod.rs"]
 mod common;
 mod fmus;
+mod holes;
 mod own;
 mod real;
 mod records;

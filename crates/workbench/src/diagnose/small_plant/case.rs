@@ -161,10 +161,25 @@ pub fn load(
     }
     let columns: Vec<&str> = plant.iter().flat_map(Plant::columns).collect();
     let mut all = Vec::new();
+    let mut of_parts = Vec::new();
     let mut notes = Vec::new();
-    for part in parts.iter().chain([held_out_part]) {
-        all.push(read(part, &model, &columns, &mut notes)?);
+    for part in parts {
+        let stretches = read(part, &model, &columns, &mut notes)?;
+        of_parts.extend(vec![part; stretches.len()]);
+        all.extend(stretches);
     }
+    let stretches = read(held_out_part, &model, &columns, &mut notes)?;
+    if stretches.len() > 1 {
+        notes.push(format!(
+            "{}: its longest stretch without a hole is the one to judge on",
+            held_out_part.path.display()
+        ));
+    }
+    let seconds = |own: &Recorded| own.motions.first().map_or(0.0, Motion::seconds);
+    let longest = stretches
+        .into_iter()
+        .max_by(|a, b| seconds(a).total_cmp(&seconds(b)));
+    all.extend(longest);
     let chased = match plant {
         Some(plant) => {
             let Some(cut_off) = model.measurement.compare_low_pass else {
@@ -187,7 +202,7 @@ pub fn load(
     let Some(mut held_out) = records.pop() else {
         return Err(SmallCaseError::Usage("the case has no record".to_owned()));
     };
-    for (part, record) in parts.iter().zip(&records) {
+    for (part, record) in of_parts.into_iter().zip(&records) {
         check_apart(part, record, held_out_part, &held_out)?;
     }
     let goes_on = parts

@@ -20,7 +20,8 @@ const RARE: usize = 100;
 /// Highest frequency that samples tell, over their rate: a little below Nyquist's.
 const TOLD: f64 = 0.45;
 
-/// Reads a record; `driven` names columns that are wanted as they are, `notes` takes what has to be said.
+/// Reads a record, the stretches between its holes each for itself; `driven` names columns that are wanted as they are, `notes` takes what
+/// has to be said.
 ///
 /// # Errors
 /// [`SmallCaseError`], naming the file and what would be right.
@@ -29,8 +30,29 @@ pub fn read(
     model: &SmallModel,
     driven: &[&str],
     notes: &mut Vec<String>,
+) -> Result<Vec<Recorded>, SmallCaseError> {
+    let mut read = Vec::new();
+    let mut failed = None;
+    for sheet in Sheet::open(part, model, notes)? {
+        match recorded(&sheet, part, model, driven) {
+            Ok(stretch) => read.push(stretch),
+            Err(error) => failed = failed.or(Some(error)),
+        }
+    }
+    match failed {
+        // One in which the plant rests is no reason to refuse the others.
+        Some(error) if read.is_empty() => Err(error),
+        _ => Ok(read),
+    }
+}
+
+/// The motion of a stretch, and what drives it.
+fn recorded(
+    sheet: &Sheet<'_>,
+    part: &Part,
+    model: &SmallModel,
+    driven: &[&str],
 ) -> Result<Recorded, SmallCaseError> {
-    let sheet = Sheet::open(part, model, notes)?;
     let columns = &model.columns;
     let mut motion = sheet.motion(part, columns.position.as_ref(), columns.velocity.as_ref())?;
     if let Some(force) = sheet.series(Quantity::Force)? {
@@ -113,6 +135,8 @@ struct Sheet<'a> {
     record: Record,
     /// Sampling interval [s].
     interval: f64,
+    /// Whether it is a stretch between holes.
+    is_stretch: bool,
     /// Step of the even times at which the columns are read off, in the file's unit; `None` where its own are even.
     even: Option<f64>,
 }
@@ -122,7 +146,7 @@ impl<'a> Sheet<'a> {
         part: &Part,
         model: &'a SmallModel,
         notes: &mut Vec<String>,
-    ) -> Result<Self, SmallCaseError> {
+    ) -> Result<Vec<Self>, SmallCaseError> {
         let file = part.path.display().to_string();
         let time_name = &model.columns.time.column;
         let table = match &part.table {
@@ -144,7 +168,13 @@ impl<'a> Sheet<'a> {
             });
         };
         "time".clone_into(&mut names[time]);
-        let record = table.record(&names, Missing::Refuse)?;
+        // A free swing is compared as a whole, and an FMU runs from its start.
+        let may_have_holes = !matches!(model.model.kind, Kind::Pendulum | Kind::Fmu);
+        let missing = match may_have_holes {
+            true => Missing::KeepAsNan,
+            false => Missing::Refuse,
+        };
+        let record = table.record(&names, missing)?;
         let mut sheet = Self {
             model,
             file,
@@ -152,13 +182,69 @@ impl<'a> Sheet<'a> {
             record,
             interval: f64::NAN,
             even: None,
+            is_stretch: false,
         };
         let to_seconds = sheet.factor(Quantity::Time);
         if let Some((from, to)) = part.span {
             sheet.record = sheet.record.window(from / to_seconds, to / to_seconds);
         }
-        sheet.look_at_the_clock(notes)?;
-        Ok(sheet)
+        let given = model.columns.given(model.model.kind);
+        let wanted: Vec<&str> = given.map(|(_, column)| column.column.as_str()).collect();
+        sheet.record = sheet.record.without_missing(&wanted);
+        let mut sheets = match may_have_holes {
+            true => sheet.stretches(notes),
+            false => vec![sheet],
+        };
+        for sheet in &mut sheets {
+            sheet.look_at_the_clock(notes)?;
+        }
+        Ok(sheets)
+    }
+
+    /// The stretches between steps of time that are off, where these are few; the sheet itself where there are none.
+    fn stretches(self, notes: &mut Vec<String>) -> Vec<Self> {
+        let (time, usual) = (self.record.time(), self.record.median_step());
+        let is_off = |pair: &[f64]| ((pair[1] - pair[0]) / usual - 1.0).abs() > JITTER;
+        let steps = time.windows(2).enumerate();
+        let mut ends: Vec<usize> = steps
+            .filter(|(_, pair)| is_off(pair))
+            .map(|(at, _)| at + 1)
+            .collect();
+        if ends.is_empty() || ends.len() >= time.len().div_ceil(RARE) {
+            return vec![self];
+        }
+        ends.push(time.len());
+        let mut begin = 0;
+        let mut stretches = Vec::new();
+        for end in ends {
+            if end - begin >= FEWEST {
+                let to = time.get(end).copied().unwrap_or(f64::INFINITY);
+                stretches.push(Self {
+                    model: self.model,
+                    file: self.file.clone(),
+                    known: self.known.clone(),
+                    record: self.record.window(time[begin], to),
+                    interval: f64::NAN,
+                    even: None,
+                    is_stretch: true,
+                });
+            }
+            begin = end;
+        }
+        if stretches.is_empty() {
+            return vec![self];
+        }
+        let used: usize = stretches.iter().map(|own| own.record.len()).sum();
+        let left_out = match time.len() - used {
+            0 => String::new(),
+            short => format!("; {short} samples in stretches shorter than {FEWEST} were left out"),
+        };
+        notes.push(format!(
+            "{}: has holes or missing values; stretches between them that were read as records of their own: {}{left_out}",
+            self.file,
+            stretches.len()
+        ));
+        stretches
     }
 
     /// Finds the sampling interval, and whether the times are even.
@@ -277,12 +363,15 @@ impl<'a> Sheet<'a> {
             }
         };
         let measurement = &self.model.measurement;
+        let begin = self.record.time()[0] * self.factor(Quantity::Time);
+        let name = file_name(&part.path);
         Ok(Motion::new(
-            part.span.map_or_else(
-                || file_name(&part.path),
-                |(from, to)| format!("{} {from}–{to} s", file_name(&part.path)),
-            ),
-            self.record.time()[0] * self.factor(Quantity::Time),
+            match part.span {
+                _ if self.is_stretch => format!("{name} from {begin:.3} s"),
+                Some((from, to)) => format!("{name} {from}–{to} s"),
+                None => name,
+            },
+            begin,
             self.interval,
             measured,
             measurement.motion_low_pass,

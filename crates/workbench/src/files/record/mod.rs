@@ -262,6 +262,27 @@ impl Record {
             .collect()
     }
 
+    /// The samples in which none of these columns lacks its value.
+    #[must_use]
+    pub fn without_missing(&self, names: &[&str]) -> Self {
+        let wanted: Vec<&[f64]> = names.iter().filter_map(|name| self.column(name)).collect();
+        let is_whole = |row: &usize| wanted.iter().all(|values| values[*row].is_finite());
+        let rows: Vec<usize> = (0..self.len()).filter(is_whole).collect();
+        let of = |values: &[f64]| rows.iter().map(|row| values[*row]).collect();
+        Self {
+            source: self.source.clone(),
+            time: of(&self.time),
+            columns: self
+                .columns
+                .iter()
+                .map(|column| Column {
+                    name: column.name.clone(),
+                    values: of(&column.values),
+                })
+                .collect(),
+        }
+    }
+
     /// The samples with `from` ≤ time < `to` [s].
     #[must_use]
     pub fn window(&self, from: f64, to: f64) -> Self {
