@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use super::balance::Balance;
-use super::base::of_fmu;
+use super::base::{DRIVE, of_fmu};
+use super::catalogue::entry;
 use super::model::Model;
 use super::motion::{Measured, Measurement, Motion, Pursuit, Scales};
 use super::problem::Problem;
@@ -86,6 +87,55 @@ fn residuals_grow_with_an_fmus_parameters_as_the_pursuits_say() {
             }
         }
     }
+}
+
+#[test]
+fn the_force_is_the_sum_of_what_each_term_gives_and_grows_as_its_slopes_say() {
+    let position = Measured::Position(wave(1000, 3.0));
+    let mut motion = Motion::new("run".to_owned(), 0.0, 0.01, position, 20.0, 0.0);
+    motion.force = wave(1000, 5.0);
+    let unfiltered = Measurement {
+        compare_low_pass: None,
+        compare_rate: 100.0,
+        edge: 0.0,
+        ..MEASUREMENT
+    };
+    let records = [motion];
+    let scales = Scales::of(&records);
+    let problem = Balance::new(&records, &unfiltered, &scales);
+    let base = Model::new(Kind::Drive, Path::Line, &DRIVE, vec![2.0, 0.5, 0.1]);
+    let effects = [
+        "coulomb_friction",
+        "stribeck",
+        "quadratic_drag",
+        "friction_wear",
+    ];
+    let model = effects.iter().fold(base, |model, name| {
+        let entry = entry(name).unwrap();
+        let values = entry.starts(model.kind, model.path, &scales).swap_remove(0);
+        model.with(entry, values)
+    });
+    for moment in problem.compared(&model) {
+        let force = model.force(&moment.sample);
+        assert!((moment.model - force).abs() < 1e-9 * (1.0 + force.abs()));
+    }
+    let residuals = problem.residuals(&model).concat();
+    let mut known = 0;
+    for (term, number, _) in model.free() {
+        let pieces = problem.residuals(&model);
+        let Some(slopes) = problem.slopes(&model, &pieces, (term, number)) else {
+            continue;
+        };
+        known += 1;
+        let mut moved = model.clone();
+        moved.set(term, number, model.value(term, number) + 1.0);
+        let moved = problem.residuals(&moved).concat();
+        for ((slope, after), before) in slopes.concat().iter().zip(moved).zip(&residuals) {
+            assert!((slope - (after - before)).abs() < 1e-9 * (1.0 + slope.abs()));
+        }
+    }
+    // Inertia, viscous friction, offset, drag, rate of wear: the friction's own numbers change what wears too.
+    assert_eq!(known, 5);
 }
 
 #[test]
