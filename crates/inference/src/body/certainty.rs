@@ -5,15 +5,17 @@ use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
 use super::term::Entry;
+use super::unit::Usual as _;
 use crate::numbers::Number;
 use crate::policy::SURELY;
 use stickslip::parameter::Range;
 
 /// How certain the numbers of a set's effects are.
 pub struct Certainty {
-    /// The effects whose size has zero in its 95 % interval, and those with widths all of which have, or lie beyond their range: over such
-    /// a width nothing changes in the records, so that a plainer effect explains as much. Where one is told, another may be too small for the
-    /// records: friction that sets in at a known moment may do so at once. Of a law, all numbers must be told.
+    /// The effects whose size has zero in its 95 % interval, and those with widths all of which have, or lie beyond their range. Over a width
+    /// beyond it nothing changes in the records, so that a plainer effect explains as much. A width that the plant passes between two
+    /// samples is none either: it would draw how these lie about a jump. Where one is told, another may be too small for the records:
+    /// friction that sets in at a known moment may do so at once. Of a law, all numbers must be told.
     pub unneeded: Vec<&'static str>,
     /// Log of the share of their usual values that places and widths may still have, by Laplace's method: what it costs that they could
     /// have been anything and must be just these.
@@ -59,7 +61,8 @@ impl Certainty {
                     Some(Number::Shape { scale, bounds, .. }) => {
                         let error = half_width(number).map_or(*scale, |half| half / SURELY);
                         certainty.price += (error / scale).min(1.0).ln();
-                        let is_within = terms[at].values[number] < bounds.1;
+                        let passed = parameter.dimension.in_a_sample(scales);
+                        let is_within = (passed..bounds.1).contains(&terms[at].values[number]);
                         widths.extend(is_positive.then(|| is_within && differs(number, 0.0)));
                     }
                     Some(Number::Phase) => {}

@@ -106,6 +106,8 @@ pub struct Scales {
     pub period: f64,
     /// Length of the longest record [s].
     pub duration: f64,
+    /// Longest sampling interval [s].
+    pub interval: f64,
     /// Voltage of a motor [V]; 1 where there is none.
     pub voltage: f64,
 }
@@ -299,6 +301,7 @@ impl Scales {
             speed: root_mean_square(&velocity),
             period: TAU * about(&velocity) / acceleration,
             duration: records.iter().map(Motion::seconds).fold(0.0, f64::max),
+            interval: records.iter().map(|own| own.interval).fold(0.0, f64::max),
             acceleration,
             voltage: if voltage > 0.0 { voltage } else { 1.0 },
             force: if force > 0.0 { force } else { acceleration },

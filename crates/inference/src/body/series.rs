@@ -13,7 +13,9 @@ const REMEMBERED: usize = 1 << 21;
 /// On what a term's series depend: its name, and the bits of its numbers that are not linear, of the motion's shift and of other terms.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Key {
+    /// The term's name.
     pub term: &'static str,
+    /// Bits of the numbers on which its series depend.
     pub bits: Vec<u64>,
 }
 

@@ -12,9 +12,12 @@ const POINTS: usize = 8;
 const MARGIN: usize = 64;
 
 /// A series that a low-pass has passed or will pass, at so many moments, `stride` samples apart: on polynomials through the samples
-/// beside each. The first moment is at sample `first`, which may lie between samples.
+/// beside each. The first moment is at sample `first`, which may lie between samples; beyond its ends the series stays as it is there.
 #[must_use]
 pub fn between(series: &[f64], first: f64, stride: usize, moments: usize) -> Vec<f64> {
+    // Farther out nothing changes any more, and places stay whole numbers.
+    let farthest = (moments * stride + series.len()) as f64;
+    let first = first.clamp(-farthest, farthest);
     let low = first.floor();
     let weights = lagrange(first - low);
     let begin = low as i64 - (POINTS / 2 - 1) as i64;
@@ -124,6 +127,8 @@ mod tests {
             between(&series, -2.0, 1, 9),
             [3.0, 3.0, 3.0, 1.0, 4.0, 1.0, 5.0, 5.0, 5.0]
         );
+        assert_eq!(between(&series, -1e300, 2, 3), [3.0; 3]);
+        assert_eq!(between(&series, 1e300, 2, 3), [5.0; 3]);
     }
 
     #[test]

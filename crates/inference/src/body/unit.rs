@@ -1,5 +1,7 @@
 //! Usual sizes of what parameters measure.
 
+use std::f64::consts::TAU;
+
 use stickslip::body::{Dimension, Path};
 use stickslip::expression::Dimension as SiDimension;
 
@@ -10,6 +12,10 @@ pub trait Usual {
     /// Usual size of such a number on records of these sizes.
     #[must_use]
     fn scale(self, scales: &Scales) -> f64;
+
+    /// By how much the plant passes such a number between two samples.
+    #[must_use]
+    fn in_a_sample(self, scales: &Scales) -> f64;
 }
 
 impl Usual for Dimension {
@@ -51,6 +57,13 @@ impl Usual for Dimension {
                 dimension.scale([mass, length, time, current])
             }
             Self::Own { size, .. } => size,
+        }
+    }
+
+    fn in_a_sample(self, scales: &Scales) -> f64 {
+        match self {
+            Self::Duration | Self::Delay => scales.interval,
+            _ => TAU * scales.interval / scales.period * self.scale(scales),
         }
     }
 }

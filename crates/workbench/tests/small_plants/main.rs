@@ -21,7 +21,7 @@ use workbench::diagnose::small_plant::finding::SmallFinding;
 use crate::common::{library, stickslip};
 use crate::records::{
     ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, driven, held, loaded,
-    multiplied, pendulum, pendulum_read, resized, stopping,
+    multiplied, pendulum, pendulum_read, read_late, resized, stopping,
 };
 
 struct Place {
@@ -111,6 +111,15 @@ fn a_force_that_is_held_between_samples_is_no_delay() {
         "{text}"
     );
     assert!(text.contains("Drive.fmi3.fmu"), "{text}");
+}
+
+#[test]
+fn how_samples_lie_about_a_jump_is_no_effect_beside_a_delay() {
+    let place = Place::new(DRIVE, &read_late(0.01, 1), &read_late(0.01, 2));
+    let (found, text) = place.diagnosed(0);
+    let mut named = names(&found);
+    named.sort_unstable();
+    assert_eq!(named, ["coulomb_friction", "sensor_delay"], "{text}");
 }
 
 #[test]

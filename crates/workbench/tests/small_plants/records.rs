@@ -31,6 +31,15 @@ pub fn drive(dry: f64, seed: u64) -> String {
 
 /// The same where the recorded force is a function of the one that acts.
 pub fn driven(dry: f64, recorded: impl Fn(f64) -> f64, seed: u64) -> String {
+    sampled(dry, recorded, 0.0, seed)
+}
+
+/// A record of the same drive with dry friction of 5 N, whose position is read so much later than its force [s].
+pub fn read_late(delay: f64, seed: u64) -> String {
+    sampled(5.0, |force| force, delay, seed)
+}
+
+fn sampled(dry: f64, recorded: impl Fn(f64) -> f64, delay: f64, seed: u64) -> String {
     let mut random = Random::new(seed);
     let phase = TAU * random.uniform();
     let mut text = String::from("t,x,volt\n");
@@ -40,7 +49,7 @@ pub fn driven(dry: f64, recorded: impl Fn(f64) -> f64, seed: u64) -> String {
         let (mut x, mut v, mut a) = (0.0, 0.0, 0.0);
         for (size, hertz) in parts {
             let (rate, angle) = (TAU * hertz, TAU * hertz * time + phase * hertz);
-            x += size * angle.sin();
+            x += size * (angle - rate * delay).sin();
             v += size * rate * angle.cos();
             a -= size * rate * rate * angle.sin();
         }

@@ -234,8 +234,8 @@ fn named_finding(
     Ok(found)
 }
 
-/// The force that an FMU lacks depends on its parameters: so until the names do not change any more. Numbers that are far off leave structure that the right ones do not, which effects would stand in for: so with
-/// an effect more each time.
+/// The force that an FMU lacks depends on its parameters: so until the names do not change any more. Numbers that are far off leave
+/// structure that the right ones do not, which effects would stand in for: so with an effect more each time.
 fn settled(
     case: &mut SmallCase,
     open: &[&'static Entry],

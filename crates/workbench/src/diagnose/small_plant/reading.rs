@@ -32,17 +32,25 @@ pub fn read(
     notes: &mut Vec<String>,
 ) -> Result<Vec<Recorded>, SmallCaseError> {
     let mut read = Vec::new();
-    let mut failed = None;
-    for sheet in Sheet::open(part, model, notes)? {
-        match recorded(&sheet, part, model, driven) {
+    let mut failed = Vec::new();
+    for mut sheet in Sheet::open(part, model, notes)? {
+        let clock = sheet.look_at_the_clock(notes);
+        match clock.and_then(|()| recorded(&sheet, part, model, driven)) {
             Ok(stretch) => read.push(stretch),
-            Err(error) => failed = failed.or(Some(error)),
+            Err(error) => failed.push(error),
         }
     }
-    match failed {
-        // One in which the plant rests is no reason to refuse the others.
-        Some(error) if read.is_empty() => Err(error),
-        _ => Ok(read),
+    // One in which the plant rests is no reason to refuse the others.
+    if !read.is_empty() {
+        notes.extend(
+            failed
+                .drain(..)
+                .map(|error| format!("a stretch was left out: {error}")),
+        );
+    }
+    match failed.into_iter().next() {
+        Some(error) => Err(error),
+        None => Ok(read),
     }
 }
 
@@ -191,14 +199,10 @@ impl<'a> Sheet<'a> {
         let given = model.columns.given(model.model.kind);
         let wanted: Vec<&str> = given.map(|(_, column)| column.column.as_str()).collect();
         sheet.record = sheet.record.without_missing(&wanted);
-        let mut sheets = match may_have_holes {
+        Ok(match may_have_holes {
             true => sheet.stretches(notes),
             false => vec![sheet],
-        };
-        for sheet in &mut sheets {
-            sheet.look_at_the_clock(notes)?;
-        }
-        Ok(sheets)
+        })
     }
 
     /// The stretches between steps of time that are off, where these are few; the sheet itself where there are none.
@@ -253,7 +257,7 @@ impl<'a> Sheet<'a> {
         let (count, usual) = (self.record.len(), self.record.median_step() * to_seconds);
         if count < FEWEST || !usual.is_finite() {
             return Err(self.unusable(format!(
-                "{count} samples are too few; at least {FEWEST} are needed"
+                "has {count} samples with a value in every column that [columns] names; at least {FEWEST} are needed"
             )));
         }
         let time = self.record.time();
