@@ -115,7 +115,10 @@ fn a_force_that_is_held_between_samples_is_no_delay() {
 
 #[test]
 fn how_samples_lie_about_a_jump_is_no_effect_beside_a_delay() {
-    let place = Place::new(DRIVE, &read_late(0.01, 1), &read_late(0.01, 2));
+    let model = DRIVE
+        .replace("compare_low_pass = 10.0\n", "")
+        .replace("compare_rate = 40.0", "compare_rate = 250.0");
+    let place = Place::new(&model, &read_late(0.01, 1), &read_late(0.01, 2));
     let (found, text) = place.diagnosed(0);
     let mut named = names(&found);
     named.sort_unstable();
