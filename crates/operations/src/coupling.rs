@@ -20,93 +20,153 @@ pub struct Moment {
     pub direction: f64,
 }
 
+/// Where the search for a force begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Guess {
+    /// The force.
+    pub force: f64,
+    /// By how much it misses more if it grows by one: 1 where nothing opposes the motion that it makes. That of a step serves the next.
+    pub slope: f64,
+}
+
+impl Guess {
+    /// Of a force, where nothing else is known.
+    #[must_use]
+    pub const fn new(force: f64) -> Self {
+        Self { force, slope: 1.0 }
+    }
+}
+
 /// Most steps of the search for the force, and how near to a solution it ends.
 const MOST_TRIALS: usize = 20;
-const NEAR: f64 = 1e-13;
+const NEAR: f64 = 1e-10;
 
-/// What opposes the motion of an inertia.
+/// What opposes the motion of an inertia; of several at once, each in a lane of its own, so that an equation is read once for all.
 pub struct Coupling<F> {
-    /// Force against the motion at a moment [N or N m].
+    /// Force against the motion at a moment of each lane [N or N m].
     pub against: F,
     /// Inertia [kg or kg m²], > 0.
     pub inertia: f64,
 }
 
-impl<F: FnMut(&Moment) -> f64> Coupling<F> {
+/// A step in so many lanes.
+struct Step<'a, const LANES: usize> {
+    from: &'a [Moment; LANES],
+    length: f64,
+    free: [f64; LANES],
+}
+
+impl<F> Coupling<F> {
     /// Force along the motion over a step of `length` [s] from a moment of which time, position and velocity count, where all others
-    /// give the acceleration `free`; `last` is a first guess.
-    pub fn force(&mut self, from: &Moment, length: f64, free: f64, last: f64) -> f64 {
-        let (velocity, inertia) = (from.velocity, self.inertia);
-        let gained = |force: f64| free + force / inertia;
-        if velocity == 0.0 {
-            let forward = self.sliding(from, length, free, 1.0, last);
-            if gained(forward) > 0.0 {
-                return forward;
-            }
-            let backward = self.sliding(from, length, free, -1.0, last);
-            return if gained(backward) < 0.0 {
-                backward
-            } else {
-                -inertia * free
-            };
-        }
-        let onward = velocity.signum();
-        let before = self.sliding(from, length, free, onward, last);
-        let ending = velocity + length * gained(before);
-        if onward * ending > 0.0 {
+    /// give the acceleration `free`; `last` is a first guess. The answer is a guess for the next step too.
+    pub fn force<const LANES: usize>(
+        &mut self,
+        from: &[Moment; LANES],
+        length: f64,
+        free: [f64; LANES],
+        last: [Guess; LANES],
+    ) -> [Guess; LANES]
+    where
+        F: FnMut(&[Moment; LANES]) -> [f64; LANES],
+    {
+        let inertia = self.inertia;
+        let step = Step { from, length, free };
+        let gained = |lane: usize, force: f64| free[lane] + force / inertia;
+        // From rest the motion begins forward, if the forces let it.
+        let onward = from.each_ref().map(|own| match own.velocity {
+            0.0 => 1.0,
+            velocity => velocity.signum(),
+        });
+        let before = self.sliding(&step, onward, last, [true; LANES]);
+        let ending = |lane: usize| from[lane].velocity + length * gained(lane, before[lane].force);
+        let ends: [bool; LANES] = std::array::from_fn(|lane| onward[lane] * ending(lane) <= 0.0);
+        if !ends.contains(&true) {
             return before;
         }
         // The motion comes to rest on the way, and turns there if the other forces are strong enough.
-        let after = self.sliding(from, length, free, -onward, last);
-        if onward * gained(after) < 0.0 {
-            let part = velocity / (velocity - ending);
-            part * before + (1.0 - part) * after
-        } else {
-            -inertia * (velocity / length + free)
-        }
+        let after = self.sliding(&step, onward.map(|own| -own), last, ends);
+        std::array::from_fn(|lane| {
+            let velocity = from[lane].velocity;
+            let [first, second] = [before[lane], after[lane]];
+            let force = if !ends[lane] {
+                first.force
+            } else if onward[lane] * gained(lane, second.force) < 0.0 {
+                let part = match velocity {
+                    0.0 => 0.0,
+                    _ => velocity / (velocity - ending(lane)),
+                };
+                part * first.force + (1.0 - part) * second.force
+            } else {
+                -inertia * (velocity / length + free[lane])
+            };
+            Guess { force, ..first }
+        })
     }
 
-    /// The force while the motion has this direction: a root of force + what opposes it, by secants.
-    fn sliding(
+    /// The force while the motion has this direction, in the lanes that are open: a root of force + what opposes it, by secants.
+    fn sliding<const LANES: usize>(
         &mut self,
-        from: &Moment,
-        length: f64,
-        free: f64,
-        direction: f64,
-        guess: f64,
-    ) -> f64 {
-        let mut before = guess;
-        let mut missed = before + self.opposed(from, length, free, direction, before);
-        let mut force = before - missed;
-        for _ in 0..MOST_TRIALS {
-            let misses = force + self.opposed(from, length, free, direction, force);
-            if misses.abs() <= NEAR * force.abs() || misses == missed {
+        step: &Step<'_, LANES>,
+        direction: [f64; LANES],
+        guess: [Guess; LANES],
+        mut open: [bool; LANES],
+    ) -> [Guess; LANES]
+    where
+        F: FnMut(&[Moment; LANES]) -> [f64; LANES],
+    {
+        let mut before = guess.map(|own| own.force);
+        let mut first = guess.map(|own| own.slope);
+        let mut missed = self.missed(step, direction, before);
+        let mut force: [f64; LANES] =
+            std::array::from_fn(|lane| before[lane] - missed[lane] / first[lane]);
+        for trial in 0..MOST_TRIALS {
+            let misses = self.missed(step, direction, force);
+            for lane in 0..LANES {
+                let (own, miss) = (force[lane], misses[lane]);
+                open[lane] &= miss.abs() > NEAR * own.abs() && miss != missed[lane];
+                if open[lane] {
+                    let slope = (miss - missed[lane]) / (own - before[lane]);
+                    force[lane] -= miss / slope;
+                    if trial == 0 {
+                        // Rounding counts least over the longest of the steps.
+                        first[lane] = slope;
+                    }
+                    (before[lane], missed[lane]) = (own, miss);
+                }
+            }
+            if !open.contains(&true) {
                 break;
             }
-            let next = force - misses * (force - before) / (misses - missed);
-            (before, missed, force) = (force, misses, next);
         }
-        force
+        std::array::from_fn(|lane| Guess {
+            force: force[lane],
+            slope: first[lane],
+        })
     }
 
-    /// What opposes the motion in the middle of the step.
-    fn opposed(
+    /// The force and what opposes the motion in the middle of the step, which a root makes zero.
+    fn missed<const LANES: usize>(
         &mut self,
-        from: &Moment,
-        length: f64,
-        free: f64,
-        direction: f64,
-        force: f64,
-    ) -> f64 {
-        let acceleration = free + force / self.inertia;
-        let half = 0.5 * length;
-        (self.against)(&Moment {
-            time: from.time + half,
-            position: from.position + half * (from.velocity + 0.5 * half * acceleration),
-            velocity: from.velocity + half * acceleration,
-            acceleration,
-            direction,
-        })
+        step: &Step<'_, LANES>,
+        direction: [f64; LANES],
+        force: [f64; LANES],
+    ) -> [f64; LANES]
+    where
+        F: FnMut(&[Moment; LANES]) -> [f64; LANES],
+    {
+        let half = 0.5 * step.length;
+        let opposed = (self.against)(&std::array::from_fn(|lane| {
+            let from = step.from[lane];
+            let acceleration = step.free[lane] + force[lane] / self.inertia;
+            Moment {
+                time: from.time + half,
+                position: from.position + half * (from.velocity + 0.5 * half * acceleration),
+                velocity: from.velocity + half * acceleration,
+                acceleration,
+                direction: direction[lane],
+            }
+        }));
+        std::array::from_fn(|lane| force[lane] + opposed[lane])
     }
 }
 
@@ -129,10 +189,11 @@ mod tests {
             let mut moved = (x, v);
             for _ in 0..5 {
                 let mut coupling = Coupling {
-                    against: |at: &Moment| friction * at.direction,
+                    against: |[at]: &[Moment; 1]| [friction * at.direction],
                     inertia: 1.0,
                 };
-                last = coupling.force(&from, length, free, last);
+                let [found] = coupling.force(&[from], length, [free], [Guess::new(last)]);
+                last = found.force;
                 let (sine, cosine) = length.sin_cos();
                 moved = (
                     last + (x - last) * cosine + v * sine,

@@ -6,7 +6,7 @@ mod linear;
 mod operation;
 mod wrapping;
 
-pub use coupling::{Coupling, Moment};
+pub use coupling::{Coupling, Guess, Moment};
 pub use linear::linear;
 pub use operation::{Fault, Operation, check, value, values};
 pub use wrapping::{AddedEffect, COORDINATES, Own, Port, SETTINGS_FILE, Settings, SettingsError};

@@ -2,7 +2,7 @@
 
 use std::ffi::{CString, c_int};
 
-use operations::{AddedEffect, Coupling, Moment, Settings, value};
+use operations::{AddedEffect, Coupling, Guess, Moment, Settings, value};
 
 use crate::original::{ERROR, Handle, Original, Stepped, is_good};
 use crate::own::Own;
@@ -330,10 +330,12 @@ impl Instance {
         };
         let (effects, own, steps) = (&self.settings.effects, &self.own, &mut self.steps);
         let mut coupling = Coupling {
-            against: |at: &Moment| against(effects, &own.parameters, at, load, steps),
+            against: |[at]: &[Moment; 1]| [against(effects, &own.parameters, at, load, steps)],
             inertia: self.settings.port.inertia.abs(),
         };
-        coupling.force(&moment, length, own.free, own.force)
+        let last = Guess::new(own.force);
+        let [found] = coupling.force(&[moment], length, [own.free], [last]);
+        found.force
     }
 
     /// The load at the port now [N or N m]; zero where none is named.

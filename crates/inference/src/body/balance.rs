@@ -137,6 +137,31 @@ impl Balance {
         all
     }
 
+    /// Share of the square of what a model leaves that is no noise: that still goes on a period of the lowest cut-off later. Noise has
+    /// turned its sign by then.
+    #[must_use]
+    pub fn lasting(&self, model: &Model) -> f64 {
+        let mut sums: Vec<(f64, usize)> = Vec::new();
+        for record in &self.records {
+            let weight = record.lightness(model) * self.weight(record);
+            let pairs = record.measured(model).into_iter().zip(record.force(model));
+            let residuals: Vec<f64> = pairs.map(|(y, f)| weight * (y - f)).collect();
+            for (later, (sum, count)) in record.products(&residuals).into_iter().enumerate() {
+                if sums.len() <= later {
+                    sums.push((0.0, 0));
+                }
+                sums[later].0 += sum;
+                sums[later].1 += count;
+            }
+        }
+        let means = sums.iter().filter(|(_, count)| *count > 0);
+        let means: Vec<f64> = means.map(|(sum, count)| sum / *count as f64).collect();
+        let least = means.iter().copied().fold(f64::INFINITY, f64::min);
+        means
+            .first()
+            .map_or(0.0, |square| (least / square).max(0.0))
+    }
+
     /// Number of compared moments of each piece.
     #[must_use]
     pub fn piece_lengths(&self) -> Vec<usize> {

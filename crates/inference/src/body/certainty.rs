@@ -1,9 +1,8 @@
 //! How certain the numbers of a set's effects are.
 
-use super::least_squares::{Fit, intervals};
+use super::least_squares::{Fit, Interval};
 use super::model::Model;
 use super::motion::Scales;
-use super::problem::Problem;
 use super::term::Entry;
 use super::unit::Usual as _;
 use crate::numbers::Number;
@@ -23,15 +22,9 @@ pub struct Certainty {
 }
 
 impl Certainty {
-    /// Of these effects in a fit.
+    /// Of these effects in a fit whose numbers have these intervals.
     #[must_use]
-    pub fn of(
-        problem: &dyn Problem,
-        scales: &Scales,
-        fit: &Fit,
-        entries: &[&'static Entry],
-    ) -> Self {
-        let known = intervals(problem, fit, scales);
+    pub fn of(scales: &Scales, fit: &Fit, known: &[Interval], entries: &[&'static Entry]) -> Self {
         let mut certainty = Self {
             unneeded: Vec::new(),
             price: 0.0,

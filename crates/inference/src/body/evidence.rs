@@ -2,8 +2,10 @@
 
 use std::f64::consts::PI;
 
+use rayon::prelude::*;
+
 use super::known::misfit;
-use super::least_squares::{Fit, Start, fit_from};
+use super::least_squares::{Fit, Linearised, refit};
 use super::motion::Scales;
 use super::problem::Problem;
 use crate::policy::{LN_PRIOR_ODDS, SURELY, sure_odds};
@@ -27,13 +29,20 @@ impl Errors {
     /// Errors of a fitted model, in each piece under a fit that has not seen its fold.
     #[must_use]
     pub fn left_out(problem: &dyn Problem, fitted: &Fit, scales: &Scales) -> Self {
+        let start = Linearised::new(problem, &fitted.model, scales);
+        Self::left_out_from(problem, fitted, &start)
+    }
+
+    /// The same from where the fit ended, with its derivatives.
+    #[must_use]
+    pub fn left_out_from(problem: &dyn Problem, fitted: &Fit, start: &Linearised) -> Self {
         let folds = problem.folds();
         let count = folds.iter().max().map_or(0, |last| last + 1);
         let mut pieces = vec![0.0; folds.len()];
-        let start = Start::new(problem, &fitted.model, scales);
-        for fold in 0..count {
-            let refit = fit_from(problem, &start, Some(fold), REFIT_STEPS);
-            for (at, piece) in refit.residuals.iter().enumerate() {
+        let refits = (0..count).into_par_iter();
+        let refits = refits.map(|fold| refit(problem, start, fold, REFIT_STEPS).residuals);
+        for (fold, residuals) in refits.collect::<Vec<_>>().iter().enumerate() {
+            for (at, piece) in residuals.iter().enumerate() {
                 if folds[at] == fold {
                     pieces[at] = piece.iter().map(|r| r * r).sum();
                 }

@@ -5,6 +5,7 @@
 //! their range.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use stickslip::parameter::Range;
 
 use super::evidence::unit;
@@ -16,10 +17,10 @@ use super::unit::Usual as _;
 
 /// Step of the differences, in units of a number's usual size.
 const STEP: f64 = 1e-5;
-/// Share of the loss below which an improvement counts as none.
-const SETTLED: f64 = 1e-9;
-/// Damping beyond which no step is short enough.
-const HOPELESS: f64 = 1e10;
+/// Gain in ln likelihood that counts as none where sets compete.
+pub const SETTLED: f64 = 0.01;
+/// The same where the numbers of the answer come to rest.
+pub const AT_REST: f64 = 1e-6;
 
 /// A model fitted to records.
 #[derive(Debug, Clone)]
@@ -30,11 +31,16 @@ pub struct Fit {
     pub residuals: Vec<Vec<f64>>,
     /// Sum of squares of the residuals it was fitted to.
     pub loss: f64,
+    /// Derivatives of its errors, where the fit ended with them.
+    derivatives: Option<Vec<DMatrix<f64>>>,
 }
+
+/// Place of a number's term, its place there, its range and its usual size.
+type Coordinate = (usize, usize, Range, f64);
 
 /// Transformed numbers and back.
 struct Coordinates {
-    places: Vec<(usize, usize, Range, f64)>,
+    places: Vec<Coordinate>,
 }
 
 impl Coordinates {
@@ -129,54 +135,39 @@ fn jacobian(
     residuals: &[Vec<f64>],
 ) -> Vec<DMatrix<f64>> {
     let x = coordinates.of(model);
-    let mut pieces: Vec<DMatrix<f64>> = residuals
-        .iter()
-        .map(|piece| DMatrix::zeros(piece.len(), x.len()))
-        .collect();
-    for (column, &(term, number, range, scale)) in coordinates.places.iter().enumerate() {
+    let column = |(column, &(term, number, range, scale)): (usize, &Coordinate)| {
         if let Some(mut slopes) = problem.slopes(model, residuals, (term, number)) {
             slopes.push(known::slopes(problem.known(), (term, number)));
             let scale = Coordinates::slope(x[column], range, scale);
-            for (piece, slopes) in pieces.iter_mut().zip(&slopes) {
-                for (row, slope) in slopes.iter().enumerate() {
-                    piece[(row, column)] = slope * scale;
-                }
-            }
-            continue;
+            slopes.iter_mut().flatten().for_each(|own| *own *= scale);
+            return slopes;
         }
         let mut shifted = x.clone();
         shifted[column] += STEP;
-        let moved = errors(problem, &coordinates.set(model, &shifted));
-        for ((piece, before), after) in pieces.iter_mut().zip(residuals).zip(&moved) {
-            for (row, (b, a)) in before.iter().zip(after).enumerate() {
-                piece[(row, column)] = (a - b) / STEP;
-            }
-        }
-    }
+        let mut moved = errors(problem, &coordinates.set(model, &shifted));
+        let pairs = moved.iter_mut().flatten().zip(residuals.iter().flatten());
+        pairs.for_each(|(after, before)| *after = (*after - before) / STEP);
+        moved
+    };
+    let places = coordinates.places.par_iter().enumerate();
+    let columns: Vec<Vec<Vec<f64>>> = places.map(column).collect();
+    let pieces = residuals.iter().enumerate();
     pieces
+        .map(|(piece, errors)| {
+            DMatrix::from_fn(errors.len(), x.len(), |row, own| columns[own][piece][row])
+        })
+        .collect()
 }
 
-/// Fits all free numbers of `model`, leaving out the pieces of fold `without`, in at most `steps` steps.
-#[must_use]
-pub fn fit(
-    problem: &dyn Problem,
-    model: &Model,
-    scales: &Scales,
-    without: Option<usize>,
-    steps: usize,
-) -> Fit {
-    fit_from(problem, &Start::new(problem, model, scales), without, steps)
-}
-
-/// Where fits begin: a model with its errors and their derivatives. Fits that leave one fold after the other out share it.
-pub struct Start {
+/// A model with its errors and their derivatives.
+pub struct Linearised {
     model: Model,
     coordinates: Coordinates,
     errors: Vec<Vec<f64>>,
     jacobian: Vec<DMatrix<f64>>,
 }
 
-impl Start {
+impl Linearised {
     /// At `model`.
     #[must_use]
     pub fn new(problem: &dyn Problem, model: &Model, scales: &Scales) -> Self {
@@ -189,82 +180,149 @@ impl Start {
             errors,
         }
     }
+
+    /// Where a fit of this problem ended, which gives away the derivatives that it has.
+    #[must_use]
+    pub fn at(problem: &dyn Problem, fit: &mut Fit, scales: &Scales) -> Self {
+        let coordinates = Coordinates::new(&fit.model, scales);
+        let mut errors = fit.residuals.clone();
+        errors.push(deviations(problem.known(), &fit.model));
+        let known = fit.derivatives.take();
+        Self {
+            model: fit.model.clone(),
+            jacobian: known.unwrap_or_else(|| jacobian(problem, &coordinates, &fit.model, &errors)),
+            coordinates,
+            errors,
+        }
+    }
 }
 
-/// As [`fit`], from where `start` is.
+/// Fits all free numbers of `model` in at most `steps` steps, until none gains as much as `settled` in ln likelihood.
 #[must_use]
-pub fn fit_from(problem: &dyn Problem, start: &Start, without: Option<usize>, steps: usize) -> Fit {
-    let coordinates = &start.coordinates;
-    let used: Vec<bool> = problem
-        .folds()
-        .iter()
-        .map(|fold| Some(*fold) != without)
-        .chain([true])
-        .collect();
-    let loss = |errors: &[Vec<f64>], counts: &[f64]| -> f64 {
-        let pieces = errors.iter().zip(counts).zip(&used);
+pub fn fit(
+    problem: &dyn Problem,
+    model: &Model,
+    scales: &Scales,
+    (steps, settled): (usize, f64),
+) -> Fit {
+    let mut here = Linearised::new(problem, model, scales);
+    let used = vec![true; here.errors.len()];
+    let mut descent = Descent::new(&here, &used);
+    for _ in 0..steps {
+        if !descent.step(problem, &here.coordinates, &here.jacobian, settled) {
+            break;
+        }
+        here.jacobian = jacobian(
+            problem,
+            &here.coordinates,
+            &descent.best.model,
+            &descent.best.residuals,
+        );
+    }
+    Fit {
+        derivatives: Some(here.jacobian),
+        ..descent.end()
+    }
+}
+
+/// Fits them once more in at most `steps` steps, leaving out the pieces of fold `without`. It ends so near that the derivatives stay.
+#[must_use]
+pub fn refit(problem: &dyn Problem, start: &Linearised, without: usize, steps: usize) -> Fit {
+    let folds = problem.folds().iter();
+    let used: Vec<bool> = folds.map(|fold| *fold != without).chain([true]).collect();
+    let mut descent = Descent::new(start, &used);
+    for _ in 0..steps {
+        if !descent.step(problem, &start.coordinates, &start.jacobian, SETTLED) {
+            break;
+        }
+    }
+    descent.end()
+}
+
+/// The way down to the least loss.
+struct Descent<'a> {
+    best: Fit,
+    /// Which pieces count.
+    used: &'a [bool],
+    damping: f64,
+}
+
+impl<'a> Descent<'a> {
+    fn new(start: &Linearised, used: &'a [bool]) -> Self {
+        Self {
+            best: Fit {
+                model: start.model.clone(),
+                residuals: start.errors.clone(),
+                loss: 0.0,
+                derivatives: None,
+            },
+            used,
+            damping: 1e-3,
+        }
+    }
+
+    fn loss(&self, errors: &[Vec<f64>], counts: &[f64]) -> f64 {
+        let pieces = errors.iter().zip(counts).zip(self.used);
         pieces
             .filter(|(_, used)| **used)
             .map(|((piece, count), _)| count * piece.iter().map(|r| r * r).sum::<f64>())
             .sum()
-    };
-    let mut best = Fit {
-        model: start.model.clone(),
-        residuals: start.errors.clone(),
-        loss: 0.0,
-    };
-    best.loss = loss(&best.residuals, &counts(&best.residuals));
-    let mut damping = 1e-3;
-    for step in 0..steps {
-        let further;
-        let pieces = if step == 0 {
-            &start.jacobian
-        } else {
-            further = jacobian(problem, coordinates, &best.model, &best.residuals);
-            &further
-        };
+    }
+
+    /// Goes a step down with these derivatives; whether there was one that promised as much as `settled` and kept it.
+    fn step(
+        &mut self,
+        problem: &dyn Problem,
+        coordinates: &Coordinates,
+        jacobian: &[DMatrix<f64>],
+        settled: f64,
+    ) -> bool {
         let size = coordinates.places.len();
         let mut normal = DMatrix::zeros(size, size);
         let mut gradient = DVector::zeros(size);
-        let counts = counts(&best.residuals);
-        for (((jacobian, residuals), count), _) in pieces
-            .iter()
-            .zip(&best.residuals)
-            .zip(&counts)
-            .zip(&used)
-            .filter(|(_, used)| **used)
+        let counts = counts(&self.best.residuals);
+        let pieces = jacobian.iter().zip(&self.best.residuals).zip(&counts);
+        for (((jacobian, residuals), count), _) in pieces.zip(self.used).filter(|(_, used)| **used)
         {
             normal += *count * jacobian.tr_mul(jacobian);
             gradient += *count * jacobian.tr_mul(&DVector::from_column_slice(residuals));
         }
-        best.loss = loss(&best.residuals, &counts);
-        let x = coordinates.of(&best.model);
-        let before = best.loss;
-        while damping < HOPELESS {
-            if let Some(step) = damped_step(&normal, &gradient, damping) {
+        self.best.loss = self.loss(&self.best.residuals, &counts);
+        let x = coordinates.of(&self.best.model);
+        let residuals = self.best.residuals.split_last();
+        let least = 2.0 * settled * residuals.map_or(0.0, |(_, residuals)| unit(residuals));
+        while self.damping.is_finite() {
+            if let Some(step) = damped_step(&normal, &gradient, self.damping) {
                 let step = coordinates.shortened(step);
+                let promised = 2.0 * gradient.dot(&step) - step.dot(&(&normal * &step));
+                if promised.is_nan() || promised < least {
+                    return false;
+                }
                 let moved: Vec<f64> = x.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect();
-                let model = coordinates.set(&best.model, &moved);
+                let model = coordinates.set(&self.best.model, &moved);
                 let residuals = errors(problem, &model);
-                let loss = loss(&residuals, &counts);
-                if loss < best.loss {
-                    best = Fit {
+                let loss = self.loss(&residuals, &counts);
+                if loss < self.best.loss {
+                    self.damping = (0.2 * self.damping).max(1e-12);
+                    self.best = Fit {
                         model,
                         residuals,
                         loss,
+                        derivatives: None,
                     };
-                    damping = (0.2 * damping).max(1e-12);
-                    break;
+                    return true;
                 }
             }
-            damping *= 6.0;
+            self.damping *= 6.0;
         }
-        if best.loss > before * (1.0 - SETTLED) {
-            break;
-        }
+        false
     }
-    best.residuals.pop();
-    best
+
+    /// The best of the way, without the deviations that stand behind its residuals.
+    fn end(mut self) -> Fit {
+        self.best.residuals.pop();
+        self.best
+    }
 }
 
 fn damped_step(
@@ -298,28 +356,24 @@ pub struct Interval {
 ///
 /// The spread is that between pieces (sandwich estimate), so that residuals may be correlated within them.
 #[must_use]
-pub fn intervals(problem: &dyn Problem, fit: &Fit, scales: &Scales) -> Vec<Interval> {
-    let coordinates = Coordinates::new(&fit.model, scales);
-    let mut pieces = jacobian(
-        problem,
-        &coordinates,
-        &fit.model,
-        &errors(problem, &fit.model),
-    );
-    let known = pieces.pop();
+pub fn intervals(problem: &dyn Problem, fit: &Linearised) -> Vec<Interval> {
+    let coordinates = &fit.coordinates;
+    let (Some((known, pieces)), Some((_, residuals))) =
+        (fit.jacobian.split_last(), fit.errors.split_last())
+    else {
+        return Vec::new();
+    };
     let size = coordinates.places.len();
     let mut normal = DMatrix::<f64>::zeros(size, size);
     let mut between = DMatrix::<f64>::zeros(size, size);
-    for (jacobian, residuals) in pieces.iter().zip(&fit.residuals) {
+    for (jacobian, residuals) in pieces.iter().zip(residuals) {
         normal += jacobian.tr_mul(jacobian);
         let pull = jacobian.tr_mul(&DVector::from_column_slice(residuals));
         between += &pull * pull.transpose();
     }
-    if !problem.known().is_empty()
-        && let Some(known) = known
-    {
-        let noise = unit(&fit.residuals);
-        let information = noise * known.tr_mul(&known);
+    if !problem.known().is_empty() {
+        let noise = unit(residuals);
+        let information = noise * known.tr_mul(known);
         between += noise * &information;
         normal += information;
     }

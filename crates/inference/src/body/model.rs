@@ -71,8 +71,23 @@ impl Model {
     /// Force against the motion at a moment: what drives the plant must be equal to it.
     #[must_use]
     pub fn force(&self, sample: &Sample) -> f64 {
-        let [force] = self.forces_at(std::array::from_ref(sample));
+        let [force] = self
+            .at_port(sample.port)
+            .forces(std::array::from_ref(sample));
         force
+    }
+
+    /// What acts at a port, sorted out once for many moments.
+    #[must_use]
+    pub fn at_port(&self, port: usize) -> Acting<'_> {
+        let acting = self.acting(port).map(|at| &self.terms[at]);
+        let (added, friction) = acting.partition(|term| term.entry.role == Role::Added);
+        let base = self.terms.first().filter(|_| self.kind == Kind::Joint);
+        Acting {
+            friction,
+            added,
+            joint: base.map(|base| &base.values[..]),
+        }
     }
 
     /// Adds, for each set of numbers of the term at this place, its force at moments of one port to a series of the set's own; friction
@@ -84,28 +99,18 @@ impl Model {
         samples: &[Sample],
         series: &mut [Vec<f64>],
     ) {
+        let Some(first) = samples.first() else {
+            return;
+        };
+        let acting = self.at_port(first.port);
+        let mut term = (self.terms[at].entry, numbers, series);
         let (blocks, rest) = samples.as_chunks::<AT_ONCE>();
         for block in blocks {
-            self.extend(at, numbers, block, series);
+            acting.extend(&mut term, block);
         }
         for sample in rest {
-            self.extend(at, numbers, std::array::from_ref(sample), series);
+            acting.extend(&mut term, std::array::from_ref(sample));
         }
-    }
-
-    fn extend<const N: usize>(
-        &self,
-        at: usize,
-        numbers: &[Vec<f64>],
-        samples: &[Sample; N],
-        series: &mut [Vec<f64>],
-    ) {
-        let entry = self.terms[at].entry;
-        self.at_moments(samples, entry.multiplies_friction(), |moments| {
-            for (values, series) in numbers.iter().zip(series) {
-                series.extend(entry.forces(values, moments));
-            }
-        });
     }
 
     /// Places of the terms that give a force at a port, the friction first.
@@ -150,56 +155,6 @@ impl Model {
             multiplies && is_friction || self.kind == Kind::Joint && *other == 0
         });
         others.flat_map(|(_, term)| term.values.clone()).collect()
-    }
-
-    /// As [`Self::force`], at each of some moments of one port.
-    fn forces_at<const N: usize>(&self, samples: &[Sample; N]) -> [f64; N] {
-        let port = samples.first().map_or(0, |sample| sample.port);
-        self.at_moments(samples, true, |moments| {
-            let mut sums = *moments.friction();
-            for term in self.acting(port).map(|at| &self.terms[at]) {
-                if term.entry.role == Role::Added {
-                    add(&mut sums, term.entry.forces(&term.values, moments));
-                }
-            }
-            sums
-        })
-    }
-
-    /// What `of` gives at these moments, with a joint's loads, and with the friction where it is wanted.
-    fn at_moments<const N: usize, T>(
-        &self,
-        samples: &[Sample; N],
-        with_friction: bool,
-        of: impl FnOnce(&Moments<'_, N>) -> T,
-    ) -> T {
-        let loaded;
-        let mut samples = samples;
-        if self.kind == Kind::Joint
-            && let Some(base) = self.terms.first()
-        {
-            loaded = samples.each_ref().map(|sample| {
-                let (motor, load) = joint_loads(&base.values, sample);
-                Sample {
-                    motor,
-                    load,
-                    ..*sample
-                }
-            });
-            samples = &loaded;
-        }
-        let port = samples.first().map_or(0, |sample| sample.port);
-        let mut moments = Moments::new(samples);
-        if with_friction {
-            let mut friction = [0.0; N];
-            for term in self.acting(port).map(|at| &self.terms[at]) {
-                if term.entry.role != Role::Added {
-                    add(&mut friction, term.entry.forces(&term.values, &moments));
-                }
-            }
-            moments.set_friction(friction);
-        }
-        of(&moments)
     }
 
     /// Time by which the readings of the motion at a port lag behind the force [s].
@@ -268,6 +223,72 @@ impl Model {
     /// Sets a number.
     pub fn set(&mut self, term: usize, parameter: usize, value: f64) {
         self.terms[term].values[parameter] = value;
+    }
+}
+
+/// What of a model acts at one port.
+pub struct Acting<'a> {
+    friction: Vec<&'a Term>,
+    added: Vec<&'a Term>,
+    /// Numbers of a joint's base, which tell its loads.
+    joint: Option<&'a [f64]>,
+}
+
+impl Acting<'_> {
+    /// Force against the motion at each of some moments of this port.
+    #[must_use]
+    pub fn forces<const N: usize>(&self, samples: &[Sample; N]) -> [f64; N] {
+        self.at_moments(samples, true, |moments| {
+            let mut sums = *moments.friction();
+            for term in &self.added {
+                add(&mut sums, term.entry.forces(&term.values, moments));
+            }
+            sums
+        })
+    }
+
+    /// Adds the force of a term under each of its sets of numbers to the set's series.
+    fn extend<const N: usize>(
+        &self,
+        (entry, numbers, series): &mut (&Entry, &[Vec<f64>], &mut [Vec<f64>]),
+        samples: &[Sample; N],
+    ) {
+        self.at_moments(samples, entry.multiplies_friction(), |moments| {
+            for (values, series) in numbers.iter().zip(series.iter_mut()) {
+                series.extend(entry.forces(values, moments));
+            }
+        });
+    }
+
+    /// What `of` gives at these moments, with a joint's loads, and with the friction where it is wanted.
+    fn at_moments<const N: usize, T>(
+        &self,
+        samples: &[Sample; N],
+        with_friction: bool,
+        of: impl FnOnce(&Moments<'_, N>) -> T,
+    ) -> T {
+        let loaded;
+        let mut samples = samples;
+        if let Some(base) = self.joint {
+            loaded = samples.each_ref().map(|sample| {
+                let (motor, load) = joint_loads(base, sample);
+                Sample {
+                    motor,
+                    load,
+                    ..*sample
+                }
+            });
+            samples = &loaded;
+        }
+        let mut moments = Moments::new(samples);
+        if with_friction {
+            let mut friction = [0.0; N];
+            for term in &self.friction {
+                add(&mut friction, term.entry.forces(&term.values, &moments));
+            }
+            moments.set_friction(friction);
+        }
+        of(&moments)
     }
 }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::certainty::Certainty;
 use super::evidence::Errors;
-use super::least_squares::{Fit, fit};
+use super::least_squares::{Fit, Linearised, SETTLED, fit, intervals};
 use super::model::Model;
 use super::motion::Scales;
 use super::problem::Problem;
@@ -127,13 +127,12 @@ impl Naming {
 pub fn fit_base(problem: &dyn Problem, model: &Model, scales: &Scales) -> Fit {
     let near = problem
         .first_look()
-        .map(|smooth| fit(smooth, model, scales, None, TO_THE_END).model);
+        .map(|smooth| fit(smooth, model, scales, (TO_THE_END, SETTLED)).model);
     fit(
         problem,
         near.as_ref().unwrap_or(model),
         scales,
-        None,
-        TO_THE_END,
+        (TO_THE_END, SETTLED),
     )
 }
 
@@ -152,13 +151,12 @@ pub fn fit_with(
             smooth.unwrap_or(problem),
             &model.with(entry, values),
             scales,
-            None,
-            FIRST_LOOK,
+            (FIRST_LOOK, SETTLED),
         )
     });
     let best = looks.min_by(|a, b| a.loss.total_cmp(&b.loss));
     let model = best.map_or_else(|| model.clone(), |look| look.model);
-    fit(problem, &model, scales, None, TO_THE_END)
+    fit(problem, &model, scales, (TO_THE_END, SETTLED))
 }
 
 /// Names what `model` lacks, among `candidates` and of them at most so many.
@@ -215,10 +213,11 @@ struct Ground<'a> {
 }
 
 impl Ground<'_> {
-    fn set(&self, entries: Vec<&'static Entry>, fit: Fit) -> Candidate {
-        let errors = Errors::left_out(self.problem, &fit, self.scales);
-        let Certainty { unneeded, price } =
-            Certainty::of(self.problem, self.scales, &fit, &entries);
+    fn set(&self, entries: Vec<&'static Entry>, mut fit: Fit) -> Candidate {
+        let end = Linearised::at(self.problem, &mut fit, self.scales);
+        let errors = Errors::left_out_from(self.problem, &fit, &end);
+        let known = intervals(self.problem, &end);
+        let Certainty { unneeded, price } = Certainty::of(self.scales, &fit, &known, &entries);
         Candidate {
             names: entries.iter().map(|entry| entry.name).collect(),
             unneeded,

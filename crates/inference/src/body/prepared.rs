@@ -19,6 +19,8 @@ pub struct Prepared {
     motion: Motion,
     filter: Option<LowPass>,
     stride: usize,
+    /// Compared moments in a period of the lowest cut-off.
+    reach: usize,
     edge: usize,
     /// Which of the thinned moments say something.
     kept: Vec<usize>,
@@ -36,14 +38,17 @@ impl Prepared {
         let stride = (1.0 / (measurement.compare_rate * motion.interval))
             .round()
             .max(1.0) as usize;
-        let filter = motion
-            .cut_off
-            .or(measurement.compare_low_pass)
-            .map(|cut_off| LowPass::new(cut_off, ORDER, motion.interval));
+        let compared_below = motion.cut_off.or(measurement.compare_low_pass);
+        let filter = compared_below.map(|cut_off| LowPass::new(cut_off, ORDER, motion.interval));
+        let interval = motion.interval * stride as f64;
+        let lowest = compared_below
+            .unwrap_or(0.5 / interval)
+            .min(measurement.motion_low_pass);
         let mut prepared = Self {
             motion: motion.clone(),
             filter,
             stride,
+            reach: (1.0 / (lowest * interval)).ceil() as usize,
             edge: (measurement.edge / motion.interval).round() as usize,
             kept: Vec::new(),
             read: Vec::new(),
@@ -79,6 +84,24 @@ impl Prepared {
     #[must_use]
     pub fn interval(&self) -> f64 {
         self.motion.interval * self.stride as f64
+    }
+
+    /// How residuals go on: their products with those so many compared moments later, up to a period of the lowest cut-off, and how many
+    /// products each sum has. Noise that the filters pass turns its sign within that time.
+    #[must_use]
+    pub fn products(&self, residuals: &[f64]) -> Vec<(f64, usize)> {
+        (0..=self.reach)
+            .map(|later| {
+                let of = |(at, own): (usize, &f64)| {
+                    let other = self.kept[at..]
+                        .binary_search(&(self.kept[at] + later))
+                        .ok()?;
+                    Some(own * residuals[at + other])
+                };
+                let products = residuals.iter().enumerate().filter_map(of);
+                products.fold((0.0, 0), |(sum, count), own| (sum + own, count + 1))
+            })
+            .collect()
     }
 
     /// A compared moment.

@@ -7,11 +7,11 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use operations::{Coupling, Moment};
+use operations::{Coupling, Guess, Moment};
 
 use super::balance::Balance;
 use super::known::Known;
-use super::model::Model;
+use super::model::{Acting, Model};
 use super::motion::{Measurement, Motion, Scales};
 use super::problem::Problem;
 use super::term::Sample;
@@ -21,6 +21,8 @@ use stickslip::body::Kind;
 const PIECE: f64 = 2.0;
 /// Most times that a stretch's start is improved.
 const START_STEPS: usize = 4;
+/// Stretches of a joint that are run side by side; it changes no angle.
+const AT_ONCE: usize = 8;
 /// Share of its usual size by which a number is moved to see what that does.
 const NUDGE: f64 = 1e-5;
 
@@ -125,10 +127,43 @@ impl Swing {
     #[must_use]
     pub fn run(&self, model: &Model, fitted: usize, count: usize) -> Vec<f64> {
         self.stretches.first().map_or_else(Vec::new, |stretch| {
+            if model.kind == Kind::Joint {
+                let angles = turn(model, &[stretch], count);
+                return angles.into_iter().map(|[angle]| angle).collect();
+            }
             let known = &stretch.readings[..fitted.min(stretch.readings.len())];
             let start = best_start(model, stretch, known, self.nudge);
             simulate(model, stretch, start, count)
         })
+    }
+
+    /// The model's run through each stretch: of a pendulum from the start that fits best; of a joint, whose friction forgets the start,
+    /// from the one that was read.
+    fn runs(&self, model: &Model) -> Vec<Vec<f64>> {
+        if model.kind != Kind::Joint {
+            let runs = self.stretches.iter().map(|stretch| {
+                let start = best_start(model, stretch, &stretch.readings, self.nudge);
+                simulate(model, stretch, start, stretch.readings.len())
+            });
+            return runs.collect();
+        }
+        let mut runs = Vec::with_capacity(self.stretches.len());
+        let alike = self.stretches.chunk_by(|one, next| one.step == next.step);
+        for group in alike.flat_map(|own| own.chunks(AT_ONCE)) {
+            let lanes =
+                std::array::from_fn::<_, AT_ONCE, _>(|lane| &group[lane.min(group.len() - 1)]);
+            let longest = group
+                .iter()
+                .map(|own| own.readings.len())
+                .max()
+                .unwrap_or(0);
+            let angles = turn(model, &lanes, longest);
+            runs.extend(group.iter().enumerate().map(|(lane, own)| {
+                let angles = angles.iter().take(own.readings.len());
+                angles.map(|all| all[lane]).collect::<Vec<f64>>()
+            }));
+        }
+        runs
     }
 
     /// All readings [rad].
@@ -158,10 +193,8 @@ impl Swing {
 impl Problem for Swing {
     fn residuals(&self, model: &Model) -> Vec<Vec<f64>> {
         let mut pieces = Vec::with_capacity(self.folds.len());
-        for stretch in &self.stretches {
+        for (stretch, run) in self.stretches.iter().zip(self.runs(model)) {
             let count = stretch.readings.len();
-            let start = best_start(model, stretch, &stretch.readings, self.nudge);
-            let run = simulate(model, stretch, start, count);
             let residuals: Vec<f64> = stretch
                 .readings
                 .iter()
@@ -189,11 +222,8 @@ impl Problem for Swing {
     }
 }
 
-/// Angle and rate from which the model follows the readings best; of a joint, whose friction forgets the start, those that were read.
+/// Angle and rate from which the model follows the readings best.
 fn best_start(model: &Model, stretch: &Stretch, readings: &[f64], nudge: [f64; 2]) -> [f64; 2] {
-    if model.kind == Kind::Joint {
-        return stretch.start;
-    }
     let count = readings.len();
     let run = |start: [f64; 2]| simulate(model, stretch, start, count);
     let misfit =
@@ -241,57 +271,68 @@ fn driven(record: &Motion, at: usize, stride: usize) -> (f64, f64) {
     (voltage / stride as f64, connected / stride as f64)
 }
 
-/// Angles of a joint that runs alone from a start under the measured voltage.
-fn turn(model: &Model, stretch: &Stretch, start: [f64; 2], count: usize) -> Vec<f64> {
-    let [mut position, mut velocity] = start;
+/// Angles of a joint that runs alone through each of these stretches, of the same step, under the measured voltage.
+fn turn<const LANES: usize>(
+    model: &Model,
+    stretches: &[&Stretch; LANES],
+    count: usize,
+) -> Vec<[f64; LANES]> {
+    let acting = model.at_port(0);
+    let length = stretches[0].step;
+    let mut state = stretches.map(|own| own.start);
     let mut angles = Vec::with_capacity(count);
-    let mut force = 0.0;
-    let steps = stretch.driven.iter().enumerate().take(count);
-    for (at, &(voltage, connected)) in steps {
-        angles.push(position);
-        let from = Moment {
-            time: stretch.begin + at as f64 * stretch.step,
-            position,
-            velocity,
+    let mut last = [Guess::new(0.0); LANES];
+    for at in 0..count {
+        angles.push(state.map(|[position, _]| position));
+        let from: [Moment; LANES] = std::array::from_fn(|lane| Moment {
+            time: stretches[lane].begin + at as f64 * length,
+            position: state[lane][0],
+            velocity: state[lane][1],
             acceleration: 0.0,
             direction: 0.0,
-        };
-        let against = |moment: &Moment| {
-            model.force(&Sample {
-                time: moment.time,
-                position: moment.position,
-                velocity: moment.velocity,
-                acceleration: moment.acceleration,
-                direction: moment.direction,
-                load: 1.0,
-                voltage,
-                connected,
-                ..Sample::default()
-            })
+        });
+        // A stretch that has ended runs on with open terminals.
+        let driven = stretches.map(|own| own.driven.get(at).copied().unwrap_or_default());
+        let against = |moments: &[Moment; LANES]| {
+            acting.forces(&std::array::from_fn(|lane| {
+                let moment = &moments[lane];
+                let (voltage, connected) = driven[lane];
+                Sample {
+                    time: moment.time,
+                    position: moment.position,
+                    velocity: moment.velocity,
+                    acceleration: moment.acceleration,
+                    direction: moment.direction,
+                    load: 1.0,
+                    voltage,
+                    connected,
+                    ..Sample::default()
+                }
+            }))
         };
         let mut coupling = Coupling {
             against,
             inertia: 1.0,
         };
-        force = coupling.force(&from, stretch.step, 0.0, force);
-        position += stretch.step * (velocity + 0.5 * stretch.step * force);
-        velocity += stretch.step * force;
+        last = coupling.force(&from, length, [0.0; LANES], last);
+        for ([position, velocity], Guess { force, .. }) in state.iter_mut().zip(last) {
+            *position += length * (*velocity + 0.5 * length * force);
+            *velocity += length * force;
+        }
     }
     angles
 }
 
 /// Angles that are read while the model runs alone from a start.
 fn simulate(model: &Model, stretch: &Stretch, start: [f64; 2], count: usize) -> Vec<f64> {
-    if model.kind == Kind::Joint {
-        return turn(model, stretch, start, count);
-    }
     let encoder = model.eccentricity();
+    let acting = model.at_port(0);
     let mut state = start;
     let mut angles = Vec::with_capacity(count);
     for at in 0..count {
         angles.push(encoder.map_or(state[0], |encoder| encoder.reading(state[0])));
         state = step(
-            model,
+            &acting,
             state,
             stretch.begin + at as f64 * stretch.step,
             stretch.step,
@@ -301,29 +342,29 @@ fn simulate(model: &Model, stretch: &Stretch, start: [f64; 2], count: usize) -> 
 }
 
 /// One step of time; the direction of motion that friction opposes is held until it turns.
-fn step(model: &Model, state: [f64; 2], time: f64, length: f64) -> [f64; 2] {
+fn step(acting: &Acting<'_>, state: [f64; 2], time: f64, length: f64) -> [f64; 2] {
     // At a standstill it moves where the forces without friction push it.
     let direction = if state[1] == 0.0 {
-        acceleration(model, state, time, 0.0).signum()
+        acceleration(acting, state, time, 0.0).signum()
     } else {
         state[1].signum()
     };
-    let next = runge_kutta(model, state, time, length, direction);
+    let next = runge_kutta(acting, state, time, length, direction);
     if next[1] * direction >= 0.0 || state[1] == 0.0 {
         return next;
     }
     // The rate is nearly straight over a step: two corrections put its zero within rounding.
     let mut part = length * state[1] / (state[1] - next[1]);
     for _ in 0..2 {
-        let there = runge_kutta(model, state, time, part, direction);
-        let slope = acceleration(model, there, time + part, direction);
+        let there = runge_kutta(acting, state, time, part, direction);
+        let slope = acceleration(acting, there, time + part, direction);
         if slope != 0.0 {
             part = (part - there[1] / slope).clamp(0.0, length);
         }
     }
-    let turn = runge_kutta(model, state, time, part, direction);
+    let turn = runge_kutta(acting, state, time, part, direction);
     runge_kutta(
-        model,
+        acting,
         [turn[0], 0.0],
         time + part,
         length - part,
@@ -331,8 +372,14 @@ fn step(model: &Model, state: [f64; 2], time: f64, length: f64) -> [f64; 2] {
     )
 }
 
-fn runge_kutta(model: &Model, state: [f64; 2], time: f64, h: f64, direction: f64) -> [f64; 2] {
-    let slope = |x: f64, v: f64, t: f64| acceleration(model, [x, v], t, direction);
+fn runge_kutta(
+    acting: &Acting<'_>,
+    state: [f64; 2],
+    time: f64,
+    h: f64,
+    direction: f64,
+) -> [f64; 2] {
+    let slope = |x: f64, v: f64, t: f64| acceleration(acting, [x, v], t, direction);
     let [x, v] = state;
     let k1 = slope(x, v, time);
     let k2 = slope(x + 0.5 * h * v, v + 0.5 * h * k1, time + 0.5 * h);
@@ -348,8 +395,8 @@ fn runge_kutta(model: &Model, state: [f64; 2], time: f64, h: f64, direction: f64
     ]
 }
 
-fn acceleration(model: &Model, state: [f64; 2], time: f64, direction: f64) -> f64 {
-    -model.force(&Sample {
+fn acceleration(acting: &Acting<'_>, state: [f64; 2], time: f64, direction: f64) -> f64 {
+    let [force] = acting.forces(&[Sample {
         time,
         position: state[0],
         velocity: state[1],
@@ -357,5 +404,6 @@ fn acceleration(model: &Model, state: [f64; 2], time: f64, direction: f64) -> f6
         direction,
         load: 1.0,
         ..Sample::default()
-    })
+    }]);
+    -force
 }

@@ -80,7 +80,8 @@ pub enum Role {
 /// Force [N, N m; of a pendulum or joint rad/s²] against the motion: parameters, moment, friction of the others at that moment.
 pub type Force = fn(&[f64], &Sample, f64) -> f64;
 
-/// Most operations of an equation whose values fit on the stack; every equation of the catalogue does.
+/// Operations of equations whose values fit on the stack: of most, and of every one of the catalogue.
+const BRIEF: usize = 8;
 const SHORT: usize = 24;
 
 /// Where a term's force comes from.
@@ -192,13 +193,16 @@ impl Entry {
         match self.formula {
             Formula::Equation { operations, .. } => {
                 let at = &moments.coordinates;
-                // A fit asks for forces by the million: short equations need no memory of the heap.
-                let mut short = [[0.0; N]; SHORT];
-                if operations.len() <= SHORT {
-                    return operations::values(operations, values, at, &mut short);
+                // A fit asks for forces by the million: short equations need no memory of the heap, and no more of the stack than they use.
+                let count = operations.len();
+                let find = |room: &mut [[f64; N]]| operations::values(operations, values, at, room);
+                if count <= BRIEF {
+                    find(&mut [[0.0; N]; BRIEF])
+                } else if count <= SHORT {
+                    find(&mut [[0.0; N]; SHORT])
+                } else {
+                    find(&mut vec![[0.0; N]; count])
                 }
-                let mut long = vec![[0.0; N]; operations.len()];
-                operations::values(operations, values, at, &mut long)
             }
             Formula::Code { force, .. } => {
                 let friction = moments.friction();

@@ -12,6 +12,7 @@ mod own;
 mod real;
 mod records;
 
+use std::f64::consts::TAU;
 use std::fs;
 use std::path::PathBuf;
 
@@ -99,6 +100,21 @@ fn a_dead_zone_of_a_drive_is_told_over_its_force() {
     assert_eq!(found.finding.verdict, VerdictName::NotInCatalogue, "{text}");
     let disagreement = &found.finding.structure[0];
     assert_eq!(disagreement.coordinate, "driving_input", "{text}");
+}
+
+#[test]
+fn a_torque_from_another_axis_is_told_though_no_coordinate_shows_it() {
+    let other = |time: f64| (TAU * 0.53 * time).sin() + (TAU * 1.13 * time + 1.0).sin();
+    let from_another_axis = |size: f64| {
+        let record = |seed| balance(|_, _, _, _, time| size * other(time), seed);
+        Place::new(BALANCE, &record(1), &record(2))
+    };
+    let (found, text) = from_another_axis(1.0).diagnosed(1);
+    assert_eq!(found.finding.verdict, VerdictName::NotInCatalogue, "{text}");
+    assert!(names(&found).is_empty(), "{text}");
+    assert!(text.contains("What is left is no noise"), "{text}");
+    let (found, text) = from_another_axis(0.05).diagnosed(0);
+    assert_eq!(found.finding.verdict, VerdictName::NothingMissing, "{text}");
 }
 
 #[test]

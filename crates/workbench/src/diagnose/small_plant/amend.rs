@@ -12,8 +12,10 @@ use crate::diagnose::finding::{
     Disagreement, Finding, FoundEffect, ParameterValue, Ranked, VerdictName,
 };
 use crate::diagnose::naming::joined;
+use inference::body::balance::Balance;
 use inference::body::evidence::Errors;
 use inference::body::least_squares::Fit;
+use inference::body::model::Model;
 use inference::body::naming::{Candidate, Naming};
 use inference::body::structure::{Left, structures};
 use inference::policy::{NAMED, SURELY};
@@ -37,7 +39,9 @@ pub fn named(case: &SmallCase, naming: &Naming) -> SmallFinding {
         .iter()
         .map(|name| naming.probability_of(name))
         .collect();
-    let is_explained = found.finding.verdict != VerdictName::NotInCatalogue;
+    // Something from outside, such as another joint, is a function of no coordinate of this one.
+    let nothing_helps = best.names.is_empty() && found.lasts().is_some();
+    let is_explained = found.finding.verdict != VerdictName::NotInCatalogue && !nothing_helps;
     let have_moved = numbers_moved(case, &found.finding.parameters);
     let verdict = Verdict::of(is_explained, &of_effects, have_moved);
     found.finding.verdict = verdict.into();
@@ -145,10 +149,24 @@ pub fn described(case: &SmallCase, base: &Fit, last: &Fit) -> SmallFinding {
             .to_owned(),
             driven_later: case.driven_later,
             share_left,
+            lasting: lasting(&balance, &last.model),
             gains: Vec::new(),
             steps: Vec::new(),
         },
     }
+}
+
+/// What a model leaves of the measured force and is no noise, over that force: root mean squares.
+fn lasting(balance: &Balance, model: &Model) -> Option<f64> {
+    if !matches!(model.kind, Kind::Drive | Kind::Contact | Kind::Balance) {
+        return None;
+    }
+    let (mut left, mut whole) = (0.0, 0.0);
+    for own in balance.compared(model) {
+        left += (own.measured - own.model).powi(2);
+        whole += own.measured * own.measured;
+    }
+    Some((balance.lasting(model) * left / whole).sqrt())
 }
 
 /// Structure as a finding has it, at the equation or the port where it is.

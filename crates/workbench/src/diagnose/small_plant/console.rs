@@ -51,13 +51,19 @@ pub fn answer(found: &SmallFinding) -> Vec<String> {
                     readable(&place.coordinate),
                     percent(share)
                 ));
-            } else if let Some(place) = finding.structure.first() {
+            } else if let Some(place) = finding.structure.first().filter(|own| own.significant) {
                 lines.push(format!(
                     "A free function of the {} alone explains more of the records.",
                     readable(&place.coordinate)
                 ));
             }
         }
+    }
+    if let Some(share) = found.lasts() {
+        lines.push(format!(
+            "What is left is no noise: {} of the force goes on for longer than noise does.",
+            percent(share)
+        ));
     }
     if let [first, .., last] = &found.small_plant.steps[..] {
         lines.push(format!(

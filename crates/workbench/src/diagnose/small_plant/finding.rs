@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnose::finding::{self, Finding, FindingError, Ranked, VerdictName};
+use inference::policy::NEGLIGIBLE;
 
 /// What a diagnosis of a small plant found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,6 +31,10 @@ pub struct Course {
     pub driven_later: f64,
     /// Share of what is left that a free function of one coordinate or two explains, on what it was not fitted to.
     pub share_left: f64,
+    /// What is left and is no noise, since it goes on for longer than the filters make noise go on: root mean square over that of the
+    /// measured force, where one was measured.
+    #[serde(default)]
+    pub lasting: Option<f64>,
     /// The effects of the best set, each with the set's gain over what is left without it.
     pub gains: Vec<Ranked>,
     /// The analyst's model with its numbers refitted, then the model after each effect; empty before the stage `show`.
@@ -74,6 +79,12 @@ impl SmallFinding {
     /// [`FindingError`].
     pub fn write(&self, directory: &Path) -> Result<(), FindingError> {
         finding::write(self, directory)
+    }
+
+    /// The part of the measured force that is left and no noise, where it is more than a right model leaves.
+    #[must_use]
+    pub fn lasts(&self) -> Option<f64> {
+        self.small_plant.lasting.filter(|share| *share > NEGLIGIBLE)
     }
 
     /// Whether the model is now right as far as the records tell.

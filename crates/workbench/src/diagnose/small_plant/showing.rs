@@ -7,7 +7,7 @@
 use super::case::SmallCase;
 use super::finding::{ErrorSize, Step};
 use inference::body::balance::Balance;
-use inference::body::least_squares::{Fit, Interval, fit, intervals};
+use inference::body::least_squares::{AT_REST, Fit, Interval, Linearised, fit, intervals};
 use inference::body::model::Model;
 use inference::body::motion::Motion;
 use inference::body::naming::{fit_base, fit_with};
@@ -52,7 +52,8 @@ fn whole(case: &SmallCase) -> Swing {
 #[must_use]
 pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
     if !case.kind().runs_alone() {
-        return fitted.clone();
+        let model = &fitted.model;
+        return fit(&balance(case), model, &case.scales, (POLISH, AT_REST));
     }
     let mut best = fitted.clone();
     let longest = case.records.iter().map(Motion::seconds).fold(0.0, f64::max);
@@ -64,7 +65,7 @@ pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
         } else {
             whole(case)
         };
-        best = fit(&swing, &best.model, &case.scales, None, POLISH);
+        best = fit(&swing, &best.model, &case.scales, (POLISH, AT_REST));
         if length >= longest {
             return best;
         }
@@ -75,15 +76,12 @@ pub fn polished(case: &SmallCase, fitted: &Fit) -> Fit {
 /// Intervals of all numbers of the final model.
 #[must_use]
 pub fn final_intervals(case: &SmallCase, fitted: &Fit) -> Vec<Interval> {
-    match case.kind() {
-        Kind::Pendulum | Kind::Joint => {
-            let swing = whole(case);
-            intervals(&swing, fitted, &case.scales)
-        }
-        Kind::Drive | Kind::Contact | Kind::Balance | Kind::Fmu => {
-            intervals(&balance(case), fitted, &case.scales)
-        }
-    }
+    let problem: Box<dyn Problem> = match case.kind() {
+        Kind::Pendulum | Kind::Joint => Box::new(whole(case)),
+        Kind::Drive | Kind::Contact | Kind::Balance | Kind::Fmu => Box::new(balance(case)),
+    };
+    let end = Linearised::new(problem.as_ref(), &fitted.model, &case.scales);
+    intervals(problem.as_ref(), &end)
 }
 
 /// The models on the way: the analyst's with its numbers refitted, then with one effect more each.
