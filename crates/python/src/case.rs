@@ -91,6 +91,7 @@ impl Case {
                 sensors,
                 effects,
                 without,
+                command: None,
             },
         })
     }

@@ -20,6 +20,7 @@ use workbench::diagnose::amend::{self, amended_model};
 use workbench::diagnose::case::Case;
 use workbench::diagnose::finding::{Finding, VerdictName};
 use workbench::diagnose::gap::{FreeRun, Gap, Measures, ThroughFmu, WindowError};
+use workbench::diagnose::made::Made;
 use workbench::diagnose::material::CaseArguments;
 use workbench::diagnose::naming::{forced_finding, name};
 use workbench::diagnose::record_part::Part;
@@ -284,8 +285,10 @@ fn the_report_is_well_formed_and_refers_to_nothing_outside() {
         residuals.iter().any(|r| r.disc.abs() > 0.02),
         "an unbalance of 0.046 N m must show"
     );
+    let made = Made::of(&arguments(&case_directory()).material().unwrap(), None).unwrap();
     let page = Report {
         case: &case,
+        made: &made,
         finding: &finding,
         comparison: &comparison,
         residuals_before: &residuals,
@@ -303,6 +306,9 @@ fn the_report_is_well_formed_and_refers_to_nothing_outside() {
     assert_eq!(count("h1"), 1);
     assert!(count("figure") == 5, "{} figures", count("figure"));
     assert_eq!(count("figure"), count("figcaption"));
+    for file in ["model.toml", "run-a.csv", "held-out.csv"] {
+        assert!(page.contains(&format!("{file}</td>")), "{file}");
+    }
     assert!(page.contains("less &lt; than &amp; &quot;more&quot;"));
     for node in tree.descendants() {
         for attribute in node.attributes() {

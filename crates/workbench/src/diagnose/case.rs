@@ -19,7 +19,7 @@ use super::material::Material;
 use super::record_check::{COLUMNS, Checked, INPUTS, RecordProblem, check, natural_period};
 use super::record_part::PartError;
 use super::rig_columns::{ColumnsError, RigColumns, about};
-use super::sensors::{SensorError, Sensors, described, in_the_middle};
+use super::sensors::{SensorError, Sensors, in_the_middle, in_words};
 use super::supposed;
 use super::uncertainty::{UncertaintyError, uncertainties};
 use crate::component::closest;
@@ -269,7 +269,10 @@ impl Material {
                 told
             }
             None => {
-                notes.push(described(&estimated));
+                notes.push(format!(
+                    "no sensors.toml: the instruments are estimated from the records: {}",
+                    in_words(&estimated)
+                ));
                 estimated
             }
         };

@@ -7,7 +7,9 @@ use build_fmu::library;
 use clap::Args;
 
 use super::amend;
+use super::case::CaseError;
 use super::finding::{Finding, VerdictName};
+use super::made::typed;
 use super::material::{CaseArguments, Material};
 use super::progress::Progress;
 use super::session::Session;
@@ -37,12 +39,19 @@ pub struct AmendArguments {
     effect: Vec<String>,
 }
 
+fn material(case: &CaseArguments) -> Result<Material, CaseError> {
+    Ok(Material {
+        command: Some(typed()),
+        ..case.material()?
+    })
+}
+
 /// All stages in turn.
 ///
 /// # Errors
 /// Whatever is wrong with the input; the exit code is then 2.
 pub fn diagnose(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    let material = arguments.case.material()?;
+    let material = material(&arguments.case)?;
     if material.is_of_small_plant() {
         return small(&material, Stage::All, arguments);
     }
@@ -58,7 +67,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`].
 pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    let material = arguments.case.material()?;
+    let material = material(&arguments.case)?;
     if material.is_of_small_plant() {
         return small(&material, Stage::Locate, arguments);
     }
@@ -73,7 +82,7 @@ pub fn locate(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`].
 pub fn name(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    let material = arguments.case.material()?;
+    let material = material(&arguments.case)?;
     if material.is_of_small_plant() {
         return small(&material, Stage::Name, arguments);
     }
@@ -89,7 +98,7 @@ pub fn name(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
 /// As for [`diagnose`]; also where there is neither a finding nor an effect.
 pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
     let common = &arguments.common;
-    let material = common.case.material()?;
+    let material = material(&common.case)?;
     if material.is_of_small_plant() {
         return small(&material, Stage::Amend(&arguments.effect), common);
     }
@@ -112,7 +121,7 @@ pub fn amend_command(arguments: &AmendArguments) -> anyhow::Result<Outcome> {
 /// # Errors
 /// As for [`diagnose`]; also where there is no finding or no amended model.
 pub fn show(arguments: &DiagnoseArguments) -> anyhow::Result<Outcome> {
-    let material = arguments.case.material()?;
+    let material = material(&arguments.case)?;
     if material.is_of_small_plant() {
         return small(&material, Stage::Show, arguments);
     }

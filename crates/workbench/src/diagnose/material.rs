@@ -74,6 +74,8 @@ pub struct Material {
     pub effects: Vec<(String, String)>,
     /// Effects taken out of the catalogue.
     pub without: Vec<String>,
+    /// The command that was typed; `None` where another program calls.
+    pub command: Option<String>,
 }
 
 impl Material {
@@ -119,6 +121,7 @@ impl CaseArguments {
             sensors: sensors.transpose()?,
             effects: self.effects()?,
             without: self.without.clone(),
+            command: None,
         })
     }
 

@@ -16,6 +16,7 @@ pub mod gap;
 mod input_check;
 pub mod learning;
 pub mod load_cell;
+pub mod made;
 pub mod material;
 pub mod naming;
 pub mod progress;

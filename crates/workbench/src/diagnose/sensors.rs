@@ -164,14 +164,14 @@ impl Sensors {
     }
 }
 
-/// Instruments that were estimated from the records, in words.
+/// Instruments in words.
 #[must_use]
-pub fn described(estimated: &Instruments) -> String {
+pub fn in_words(instruments: &Instruments) -> String {
     let units = ["rad", "rad/s", "rad", "rad/s", "A", "rad", "rad/s"];
     let names = &COLUMNS[INPUTS..];
     let told: Vec<String> = (0..CHANNELS)
         .filter_map(|c| {
-            let (step, noise) = (estimated.step[c], estimated.noise[c]);
+            let (step, noise) = (instruments.step[c], instruments.noise[c]);
             if step > 0.0 {
                 Some(format!("{} in steps of {step:.3e} {}", names[c], units[c]))
             } else if noise > 0.0 {
@@ -184,10 +184,7 @@ pub fn described(estimated: &Instruments) -> String {
             }
         })
         .collect();
-    format!(
-        "no sensors.toml: the instruments are estimated from the records: {}",
-        told.join(", ")
-    )
+    told.join(", ")
 }
 
 /// Readings moved to the middle of the encoders' steps, SI units.

@@ -11,6 +11,7 @@ use super::amend;
 use super::case::{Case, check_effect};
 use super::console::screen;
 use super::finding::{self, Finding};
+use super::made::Made;
 use super::material::Material;
 use super::naming::{self, forced_finding, located_finding};
 use super::progress::{Finished, Interruptible, Progress};
@@ -25,6 +26,7 @@ pub(super) struct Session {
     progress: Progress,
     interruptible: Interruptible,
     pub case: Case,
+    made: Made,
     out: PathBuf,
 }
 
@@ -40,6 +42,7 @@ impl Session {
             progress: Progress::new(),
             interruptible: Interruptible::new(out)?,
             case,
+            made: Made::of(material, None)?,
             out: out.to_owned(),
         })
     }
@@ -54,6 +57,7 @@ impl Session {
         check_out(out)?;
         Ok(Self {
             case: material.load()?,
+            made: Made::of(material, None)?,
             progress: Progress::told(tell),
             interruptible: Interruptible::by_caller(finished),
             out: out.to_owned(),
@@ -151,6 +155,7 @@ impl Session {
         let judging = &comparison.judging;
         let page = Report {
             case,
+            made: &self.made,
             finding,
             comparison: &comparison,
             residuals_before: &residual_torques(training, units, &case.model.rig)?,

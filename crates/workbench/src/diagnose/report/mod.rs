@@ -8,6 +8,7 @@ mod residuals;
 
 use crate::diagnose::case::Case;
 use crate::diagnose::finding::Finding;
+use crate::diagnose::made::Made;
 use crate::diagnose::residual_torque::ResidualTorque;
 use crate::diagnose::show::Comparison;
 
@@ -18,6 +19,8 @@ pub const FILE: &str = "report.html";
 pub struct Report<'a> {
     /// The case.
     pub case: &'a Case,
+    /// What it was made of.
+    pub made: &'a Made,
     /// What was found.
     pub finding: &'a Finding,
     /// Before and after on the held-out record.

@@ -12,6 +12,7 @@ use crate::diagnose::catalogue::{Entry, entry};
 use crate::diagnose::console::{answer, number, percent, readable, shown_unit};
 use crate::diagnose::finding::{Disagreement, Finding, ParameterValue, VerdictName};
 use crate::diagnose::gap::Measures;
+use crate::diagnose::sensors::in_words;
 use crate::diagnose::show::LEAST_FLUCTUATION;
 use crate::plot::Figure;
 use stickslip::plant::{Rig, RigKind};
@@ -37,6 +38,9 @@ pub fn page(report: &Report<'_>) -> String {
         confusions(finding),
         usage(&report.case.model.rig),
         notes(finding),
+        report
+            .made
+            .section(Some(&in_words(&report.case.instruments))),
     ] {
         body.push_str(&section);
     }

@@ -21,6 +21,7 @@ use super::showing::{balance, models_on_the_way, step};
 use super::timing::share_of_a_sample;
 use crate::diagnose::amend::{FILE as AMENDED, build};
 use crate::diagnose::finding::VerdictName;
+use crate::diagnose::made::Made;
 use crate::diagnose::material::Material;
 use crate::diagnose::report::FILE as REPORT;
 use crate::files::atomic;
@@ -138,7 +139,8 @@ pub fn run(
         }
         let [before, after] = show(&case, &mut found, &text, progress)?;
         progress("report");
-        let page = page(&case, &found, &before, &after);
+        let fmu = case.model.ports.as_ref().and_then(|own| own.fmu.as_deref());
+        let page = page(&case, &Made::of(material, fmu)?, &found, [&before, &after]);
         atomic::write_file(&out.join(REPORT), page.as_bytes())?;
     }
     found.finding.seconds = begun.elapsed().as_secs_f64();

@@ -7,6 +7,7 @@ use super::console::{answer, size};
 use super::finding::SmallFinding;
 use super::showing::{Course, balance, held_out_course};
 use crate::diagnose::console::{number, readable};
+use crate::diagnose::made::Made;
 use crate::diagnose::report::figures::ranking;
 use crate::diagnose::report::markup::{escape, figure};
 use crate::diagnose::report::page::document;
@@ -25,7 +26,12 @@ const DETAIL: f64 = 4.0;
 
 /// The page as HTML that is well-formed XML too.
 #[must_use]
-pub fn page(case: &SmallCase, found: &SmallFinding, before: &Model, after: &Model) -> String {
+pub fn page(
+    case: &SmallCase,
+    made: &Made,
+    found: &SmallFinding,
+    [before, after]: [&Model; 2],
+) -> String {
     let names: Vec<String> = found
         .finding
         .effects
@@ -50,6 +56,7 @@ pub fn page(case: &SmallCase, found: &SmallFinding, before: &Model, after: &Mode
         numbers(case, found),
         confusions(case, found),
         notes(found),
+        made.section(None),
     ]
     .concat();
     document(&format!("{}: {headline}", case.name), &body)
