@@ -151,6 +151,19 @@ pub fn screen(case: &str, found: &SmallFinding) -> String {
             );
         }
     }
+    if !finding.parameters.is_empty() {
+        let _ = writeln!(
+            text,
+            "\n  {:28}{:>12}   95 % interval",
+            "numbers of the model", "refitted"
+        );
+    }
+    for (name, own) in &finding.parameters {
+        let interval = own.interval95.map_or("–".to_owned(), |[low, high]| {
+            format!("{} … {} {}", number(low), number(high), own.unit)
+        });
+        let _ = writeln!(text, "  {name:28}{:>12}   {interval}", number(own.value));
+    }
     for note in &finding.notes {
         let _ = writeln!(text, "\n  note: {note}");
     }
