@@ -88,6 +88,7 @@ def test_every_section_is_there(open_report):
         "What it could be confused with",
         "How to use the amended FMU",
         "About the records",
+        "How this was made",
     ]
 
 
