@@ -40,8 +40,8 @@ pub const MOST_MISFIT: f64 = 1.44;
 /// Standard deviations outside of which a normal variable lies with a probability of 5 %: from there on a nominal parameter counts
 /// as wrong, and a number as other than zero.
 pub const SURELY: f64 = 1.96;
-/// Share of the measured force that a model may leave, noise apart, and still be right: it follows the force within what engineers
-/// expect of a model.
+/// Share of the measured force that a model may leave, noise apart, and still be right. Engineers call a model right that follows the
+/// force within a twentieth; no evidence tells this number, since a model of a real plant always leaves something.
 pub const NEGLIGIBLE: f64 = 0.05;
 /// Most effects in one set.
 pub const MOST_EFFECTS: usize = 3;

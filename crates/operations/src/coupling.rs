@@ -37,7 +37,8 @@ impl Guess {
     }
 }
 
-/// Most steps of the search for the force, and how near to a solution it ends.
+/// Most steps of the search for the force, and how near to a solution it ends: far below the error of the midpoint rule, and above what
+/// rounding leaves of a small force between large ones, where a closer search goes round without end.
 const MOST_TRIALS: usize = 20;
 const NEAR: f64 = 1e-10;
 

@@ -143,10 +143,8 @@ impl Balance {
     pub fn lasting(&self, model: &Model) -> f64 {
         let mut sums: Vec<(f64, usize)> = Vec::new();
         for record in &self.records {
-            let weight = record.lightness(model) * self.weight(record);
-            let pairs = record.measured(model).into_iter().zip(record.force(model));
-            let residuals: Vec<f64> = pairs.map(|(y, f)| weight * (y - f)).collect();
-            for (later, (sum, count)) in record.products(&residuals).into_iter().enumerate() {
+            let products = record.products(&self.left_of(record, model));
+            for (later, (sum, count)) in products.into_iter().enumerate() {
                 if sums.len() <= later {
                     sums.push((0.0, 0));
                 }
@@ -160,6 +158,13 @@ impl Balance {
         means
             .first()
             .map_or(0.0, |square| (least / square).max(0.0))
+    }
+
+    /// What a model leaves of a record.
+    fn left_of(&self, record: &Prepared, model: &Model) -> Vec<f64> {
+        let lightness = record.lightness(model) * self.weight(record);
+        let pairs = record.measured(model).into_iter().zip(record.force(model));
+        pairs.map(|(y, f)| (y - f) * lightness).collect()
     }
 
     /// Number of compared moments of each piece.
@@ -200,16 +205,8 @@ impl Problem for Balance {
     fn residuals(&self, model: &Model) -> Vec<Vec<f64>> {
         let mut pieces = Vec::with_capacity(self.folds.len());
         for record in &self.records {
-            let forces = record.force(model);
-            let lightness = record.lightness(model) * self.weight(record);
-            for (measured, forces) in record
-                .measured(model)
-                .chunks(self.piece)
-                .zip(forces.chunks(self.piece))
-            {
-                let residual = |(y, f): (&f64, &f64)| (y - f) * lightness;
-                pieces.push(measured.iter().zip(forces).map(residual).collect());
-            }
+            let left = self.left_of(record, model);
+            pieces.extend(left.chunks(self.piece).map(<[f64]>::to_vec));
         }
         pieces
     }

@@ -168,11 +168,12 @@ pub fn name(
     progress: &mut dyn FnMut(&str),
 ) -> Naming {
     progress("nominal parameters");
-    let fit = fit_base(problem, model, scales);
+    let mut fit = fit_base(problem, model, scales);
+    let end = Linearised::at(problem, &mut fit, scales);
     let base = Candidate {
         entries: Vec::new(),
         names: Vec::new(),
-        errors: Errors::left_out(problem, &fit, scales),
+        errors: Errors::left_out_from(problem, &fit, &end),
         fit,
         evidence: 0.0,
         price: 0.0,

@@ -80,7 +80,8 @@ pub enum Role {
 /// Force [N, N m; of a pendulum or joint rad/s²] against the motion: parameters, moment, friction of the others at that moment.
 pub type Force = fn(&[f64], &Sample, f64) -> f64;
 
-/// Operations of equations whose values fit on the stack: of most, and of every one of the catalogue.
+/// Operations of equations whose values have room on the stack: of most, and of every one of the catalogue. To clear more room than an
+/// equation needs takes longer than a short one.
 const BRIEF: usize = 8;
 const SHORT: usize = 24;
 
@@ -193,7 +194,6 @@ impl Entry {
         match self.formula {
             Formula::Equation { operations, .. } => {
                 let at = &moments.coordinates;
-                // A fit asks for forces by the million: short equations need no memory of the heap, and no more of the stack than they use.
                 let count = operations.len();
                 let find = |room: &mut [[f64; N]]| operations::values(operations, values, at, room);
                 if count <= BRIEF {

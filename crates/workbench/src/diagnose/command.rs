@@ -39,6 +39,7 @@ pub struct AmendArguments {
     effect: Vec<String>,
 }
 
+/// What the case is made of, with the command for the report.
 fn material(case: &CaseArguments) -> Result<Material, CaseError> {
     Ok(Material {
         command: Some(typed()),

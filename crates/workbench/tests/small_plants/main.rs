@@ -11,6 +11,7 @@ mod holes;
 mod own;
 mod real;
 mod records;
+mod timing;
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -21,8 +22,8 @@ use workbench::diagnose::small_plant::finding::SmallFinding;
 
 use crate::common::{library, stickslip};
 use crate::records::{
-    ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, driven, held, loaded,
-    multiplied, pendulum, pendulum_read, read_late, resized, stopping,
+    ARM, BALANCE, CONTACT, DRIVE, PENDULUM, arm, balance, contact, drive, driven, loaded,
+    multiplied, pendulum, pendulum_read, resized, stopping,
 };
 
 struct Place {
@@ -61,6 +62,12 @@ impl Place {
         (self.finding(), text)
     }
 
+    /// Refused with these words.
+    fn refused(&self, words: &str) {
+        let (code, text) = self.run("diagnose", &[]);
+        assert!(code == 2 && text.contains(words), "{code}: {text}");
+    }
+
     fn finding(&self) -> SmallFinding {
         SmallFinding::read(&self.file("out")).unwrap()
     }
@@ -85,11 +92,7 @@ fn a_drive_that_stops_and_goes_lacks_nothing() {
     let force = &found.finding.parameters["coulomb_friction.force"];
     assert!((force.value / 12.0 - 1.0).abs() < 0.02, "{force:?}");
     let fast = standstill.replace("standstill_speed = 0.01", "standstill_speed = 0.3");
-    let (code, text) = Place::new(&fast, &stopping(1), &stopping(2)).run("diagnose", &[]);
-    assert!(
-        code == 2 && text.contains("standstill_speed = 0.3"),
-        "{text}"
-    );
+    Place::new(&fast, &stopping(1), &stopping(2)).refused("standstill_speed = 0.3");
 }
 
 #[test]
@@ -115,30 +118,6 @@ fn a_torque_from_another_axis_is_told_though_no_coordinate_shows_it() {
     assert!(text.contains("What is left is no noise"), "{text}");
     let (found, text) = from_another_axis(0.05).diagnosed(0);
     assert_eq!(found.finding.verdict, VerdictName::NothingMissing, "{text}");
-}
-
-#[test]
-fn a_force_that_is_held_between_samples_is_no_delay() {
-    let place = Place::new(DRIVE, &held(5.0, 1), &held(5.0, 2));
-    let (found, text) = place.diagnosed(0);
-    assert_eq!(names(&found), ["coulomb_friction"], "{text}");
-    assert!(
-        text.contains("takes effect 0.50 of a sampling interval"),
-        "{text}"
-    );
-    assert!(text.contains("Drive.fmi3.fmu"), "{text}");
-}
-
-#[test]
-fn how_samples_lie_about_a_jump_is_no_effect_beside_a_delay() {
-    let model = DRIVE
-        .replace("compare_low_pass = 10.0\n", "")
-        .replace("compare_rate = 40.0", "compare_rate = 250.0");
-    let place = Place::new(&model, &read_late(0.01, 1), &read_late(0.01, 2));
-    let (found, text) = place.diagnosed(0);
-    let mut named = names(&found);
-    named.sort_unstable();
-    assert_eq!(named, ["coulomb_friction", "sensor_delay"], "{text}");
 }
 
 #[test]

@@ -40,18 +40,15 @@ pub fn read(
             Err(error) => failed.push(error),
         }
     }
+    let mut failed = failed.into_iter();
+    if read.is_empty()
+        && let Some(error) = failed.next()
+    {
+        return Err(error);
+    }
     // One in which the plant rests is no reason to refuse the others.
-    if !read.is_empty() {
-        notes.extend(
-            failed
-                .drain(..)
-                .map(|error| format!("a stretch was left out: {error}")),
-        );
-    }
-    match failed.into_iter().next() {
-        Some(error) => Err(error),
-        None => Ok(read),
-    }
+    notes.extend(failed.map(|error| format!("a stretch was left out: {error}")));
+    Ok(read)
 }
 
 /// The motion of a stretch, and what drives it.
