@@ -2,7 +2,7 @@
 
 mod sums;
 
-use self::sums::{Slots, Sums};
+use self::sums::{Slots, Sums, ZEROS};
 use crate::bristle_start::deflect_bristles;
 use crate::record::{CHANNELS, Run, channel};
 use crate::scales::Scales;
@@ -91,6 +91,8 @@ pub struct Gram {
     pub residuals: usize,
     /// The middle of each piece.
     pub places: Vec<Place>,
+    /// State at the last sample.
+    pub end: RigState<f64>,
 }
 
 impl Gram {
@@ -176,7 +178,8 @@ pub fn window_gram<const N: usize>(
             let mut emit = |sample: usize, channel: usize, value: Dual<N>| {
                 if run.has(channel) {
                     let weight = 1.0 / seen.deviations[channel];
-                    sums.add(&value, run.readings[channel][sample], weight);
+                    let reading = run.readings[channel][sample];
+                    sums.add(&value, reading, weight, zero(window, channel));
                 }
             };
             // The channels of D2 show what was `delay` earlier, all others are read at the sample.
@@ -236,6 +239,7 @@ pub fn window_gram<const N: usize>(
             })?;
         }
     }
+    let end = simulation.state_at(run.time[window.last]);
     *last = Some(simulation);
     let residuals = sums.residuals;
     let mut products = sums.symmetric();
@@ -247,7 +251,15 @@ pub fn window_gram<const N: usize>(
         divided: seen.pieces,
         residuals,
         places,
+        end: end.map(|component| component.value),
     })
+}
+
+/// Which encoder's zero is not known: where a run starts from angles that are known, its encoders may have been anywhere within a step.
+fn zero(window: &Window, channel: usize) -> Option<usize> {
+    let encoders: [usize; ZEROS] = [channel::THETA, channel::THETA3, channel::THETA1];
+    let own = encoders.iter().position(|own| *own == channel);
+    own.filter(|_| window.is_start_known())
 }
 
 /// Whether other inputs hold from a sample on than before it.

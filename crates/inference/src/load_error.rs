@@ -140,6 +140,7 @@ mod tests {
             },
             residuals: 40,
             places: vec![place(0.8), place(1.1)],
+            end: [0.0; STATES],
         }
     }
 

@@ -23,7 +23,7 @@ use crate::sets::{EffectSet as _, Moves, explore, keep};
 /// Steps of a fit to short windows.
 const NEAR_STEPS: usize = 10;
 /// Windows on which sets are looked for before they are fitted to all.
-const PART_WINDOWS: usize = 100;
+const PART_WINDOWS: usize = 75;
 /// Sets with effects that are fitted to all windows.
 const RIVALS: usize = 3;
 
@@ -38,8 +38,8 @@ pub struct Search {
     pub base: Candidate,
 }
 
-/// Goes over sets of effects until no move gains, first on a part of the windows and from what that leads to on all of them;
-/// `progress` hears of each set that is fitted.
+/// Goes over sets of effects until no move gains, first on a part of the windows, where there are many, and from what that leads to on all
+/// of them; `progress` hears of each set that is fitted.
 #[must_use]
 pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
     progress("the analyst's model");
@@ -48,7 +48,8 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
     let mut known = vec![first.clone()];
     // Parts of the best set are tried with all effects once: on a part of the windows, or where that was right at once, on all.
     let is_wrong = first.fit.calm(&part.long).misfit(&part.long) > WRONG;
-    if is_wrong {
+    let is_all = part.long.windows.len() == problem.long.windows.len();
+    if is_wrong || is_all {
         let mut moves = Windows {
             problem: &part,
             tries_parts: true,
@@ -56,22 +57,18 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
         };
         explore(&mut moves, &mut known);
     }
-    let rivals = known.iter().filter(|c| !c.effects.is_empty()).take(RIVALS);
-    let nothing = known.iter().find(|c| c.effects.is_empty());
-    let fits = rivals
-        .chain(nothing)
-        .map(|on_part| begun(problem, on_part.fit.hypothesis.clone(), None))
-        .collect();
-    let mut whole: Vec<Candidate> = race(problem, fits, f64::NEG_INFINITY, progress)
-        .into_iter()
-        .map(|fit| candidate(problem, fit))
-        .collect();
-    let mut moves = Windows {
-        problem,
-        tries_parts: !is_wrong,
-        progress,
+    let mut whole = if is_all {
+        known
+    } else {
+        let mut whole = carried_over(problem, &known, progress);
+        let mut moves = Windows {
+            problem,
+            tries_parts: !is_wrong,
+            progress,
+        };
+        explore(&mut moves, &mut whole);
+        whole
     };
-    explore(&mut moves, &mut whole);
     let numbers = doubt::weigh(problem, &mut whole, progress);
     let base = whole
         .iter()
@@ -83,6 +80,24 @@ pub fn search(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Search {
         numbers,
         base,
     }
+}
+
+/// The best of the sets that are known from a part of the windows, fitted to all of them, which start as measured.
+fn carried_over(
+    problem: &Problem,
+    known: &[Candidate],
+    progress: &mut dyn FnMut(&str),
+) -> Vec<Candidate> {
+    let rivals = known.iter().filter(|c| !c.effects.is_empty()).take(RIVALS);
+    let nothing = known.iter().find(|c| c.effects.is_empty());
+    let fits = rivals
+        .chain(nothing)
+        .map(|on_part| begun(problem, on_part.fit.hypothesis.clone(), None))
+        .collect();
+    race(problem, fits, f64::NEG_INFINITY, progress)
+        .into_iter()
+        .map(|fit| candidate(problem, fit))
+        .collect()
 }
 
 fn named(effects: &[&str]) -> String {

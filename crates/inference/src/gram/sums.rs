@@ -5,7 +5,7 @@
 //! columns, once for each piece.
 
 use crate::window::{START_COMPONENTS, STARTS};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use stickslip::plant::RigState;
 use stickslip::series::Dual;
 
@@ -26,6 +26,19 @@ impl Slots {
     }
 }
 
+/// Number of encoders.
+pub(super) const ZEROS: usize = 3;
+
+/// Sums of an encoder's rows, from which its zero is told.
+#[derive(Clone, Default)]
+struct Zero {
+    /// Of the slots and the residual, within the present piece.
+    within: Vec<f64>,
+    /// Of all columns.
+    rows: DVector<f64>,
+    readings: usize,
+}
+
 /// The sums of a window.
 pub(super) struct Sums {
     slots: Slots,
@@ -37,6 +50,7 @@ pub(super) struct Sums {
     row: Vec<f64>,
     /// Derivatives of the start components at the begin of the present piece with respect to all columns but the residual's.
     chain: DMatrix<f64>,
+    zeros: [Zero; ZEROS],
     /// Number of residuals.
     pub residuals: usize,
 }
@@ -53,13 +67,25 @@ impl Sums {
             within: DMatrix::zeros(local, local),
             row: vec![0.0; local],
             chain: DMatrix::identity(slots.starts, columns - 1),
+            zeros: std::array::from_fn(|_| Zero {
+                within: vec![0.0; local],
+                rows: DVector::zeros(columns),
+                readings: 0,
+            }),
             residuals: 0,
         }
     }
 
-    /// Adds the reading of a channel whose standard deviation is 1/`weight`.
+    /// Adds the reading of a channel whose standard deviation is 1/`weight`, of an encoder whose zero is not known better if `zero` says
+    /// which.
     #[inline]
-    pub(super) fn add<const N: usize>(&mut self, value: &Dual<N>, reading: f64, weight: f64) {
+    pub(super) fn add<const N: usize>(
+        &mut self,
+        value: &Dual<N>,
+        reading: f64,
+        weight: f64,
+        zero: Option<usize>,
+    ) {
         let count = self.slots.count();
         for (own, derivative) in self.row.iter_mut().zip(&value.derivative[..count]) {
             *own = derivative * weight;
@@ -72,6 +98,12 @@ impl Sums {
                     *sum += a * b;
                 }
             }
+        }
+        if let Some(zero) = zero.map(|which| &mut self.zeros[which]) {
+            for (sum, own) in zero.within.iter_mut().zip(&self.row) {
+                *sum += own;
+            }
+            zero.readings += 1;
         }
         self.residuals += 1;
     }
@@ -146,6 +178,16 @@ impl Sums {
             }
         }
         self.within.fill(0.0);
+        for zero in self.zeros.iter_mut().filter(|zero| zero.readings > 0) {
+            for &j in &before {
+                let chained = (0..starts).map(|a| self.chain[(a, j)] * zero.within[a]);
+                zero.rows[j] += chained.sum::<f64>();
+            }
+            for (sum, &k) in zero.within[starts..].iter().zip(&own) {
+                zero.rows[k] += sum;
+            }
+            zero.within.fill(0.0);
+        }
     }
 
     /// Goes on to the piece after `piece`, at whose end the state is `end`.
@@ -167,10 +209,15 @@ impl Sums {
         self.chain = next;
     }
 
-    /// The products of all columns.
+    /// The products of all columns, over all zeros that an encoder may have. Those deviate as much as a reading does: an encoder whose
+    /// steps are rounded down and one whose steps are rounded are half a step apart.
     pub(super) fn symmetric(self) -> DMatrix<f64> {
         let mut products = self.products;
         products.fill_lower_triangle_with_upper_triangle();
+        for zero in self.zeros.iter().filter(|zero| zero.readings > 0) {
+            let share = 1.0 / (1.0 + zero.readings as f64);
+            products.ger(-share, &zero.rows, &zero.rows, 1.0);
+        }
         products
     }
 }
@@ -179,7 +226,6 @@ impl Sums {
 mod tests {
     use super::*;
     use crate::random::Random;
-    use nalgebra::DVector;
     use stickslip::series::Scalar;
 
     const SLOTS: usize = 8;
@@ -218,13 +264,18 @@ mod tests {
         let columns = sums.products.ncols();
         let mut expected = DMatrix::zeros(columns, columns);
         let mut chain = DMatrix::identity(slots.starts, columns - 1);
+        let mut of_encoder = Vec::new();
         for piece in 0..PIECES {
-            for _ in 0..READINGS {
+            for number in 0..READINGS {
                 let (value, reading) = (drawn(&mut random, slots.count()), random.normal());
-                sums.add(&value, reading, 2.0);
+                let zero = (number % 2 == 0).then_some(1);
+                sums.add(&value, reading, 2.0, zero);
                 let residual = reading - value.value;
                 let full = row(&sums, &chain, &value, piece).push(residual) * 2.0;
-                expected += &full * full.transpose();
+                match zero {
+                    Some(_) => of_encoder.push(full),
+                    None => expected += &full * full.transpose(),
+                }
             }
             sums.close(piece);
             let mut end: RigState<Dual<SLOTS>> = [Dual::constant(0.0); stickslip::plant::STATES];
@@ -236,6 +287,15 @@ mod tests {
             }
             sums.advance(&end, piece);
             chain = next;
+        }
+        // Readings with a common error as large as their own are correlated: one half of the variances of any two.
+        let count = of_encoder.len();
+        let covariance = DMatrix::from_fn(count, count, |i, j| if i == j { 2.0 } else { 1.0 });
+        let weights = covariance.try_inverse().unwrap_or_default();
+        for (i, one) in of_encoder.iter().enumerate() {
+            for (j, other) in of_encoder.iter().enumerate() {
+                expected += one * other.transpose() * weights[(i, j)];
+            }
         }
         let difference = sums.symmetric() - &expected;
         assert!(difference.amax() < 1e-12 * expected.amax());

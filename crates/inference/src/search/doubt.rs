@@ -2,7 +2,8 @@
 
 use super::candidate::{Objection, candidate, may_vanish};
 use super::looks::is_near;
-use super::{Candidate, race, rebuilt};
+use super::race::{NEAR, race};
+use super::{Candidate, rebuilt};
 use crate::certainty::ReplayedEstimates;
 use crate::fit::{self, Fit};
 use crate::policy::{LN_PRIOR_ODDS, REPLICAS, SIGNIFICANT};
@@ -26,10 +27,15 @@ pub(super) fn weigh(
     loop {
         best_first(known);
         let best = known[0].clone();
-        if !best.fit.is_converged && !finished.contains(&best.effects) {
-            let fit = best.fit.improved(&problem.long, 2 * fit::STEPS);
-            known[0] = candidate(problem, fit);
-            finished.push(best.effects);
+        let unfinished = known.iter().position(|own| {
+            let is_near = own.is_answer() && own.odds_over(&best) > -NEAR;
+            let is_open = !own.fit.is_converged && !finished.contains(&own.effects);
+            is_open && (is_near || own.effects == best.effects)
+        });
+        if let Some(at) = unfinished {
+            let fit = known[at].fit.clone();
+            finished.push(known[at].effects.clone());
+            known[at] = candidate(problem, fit.improved(&problem.long, 2 * fit::STEPS));
             continue;
         }
         let open = best.effects.iter().copied();

@@ -17,7 +17,7 @@ use std::collections::HashSet;
 use std::ops::Range;
 
 /// Windows that suffice for the first looks.
-const LOOK_WINDOWS: usize = 80;
+const LOOK_WINDOWS: usize = 40;
 /// How many starts are followed for each that may be of one effect, where there are so many effects.
 const SHARE_OF_ONE: usize = 3;
 /// How many starts are followed, and for how many steps each, before the next fewer.

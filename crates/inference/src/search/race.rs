@@ -9,6 +9,8 @@ use crate::problem::Problem;
 const AT_A_TIME: usize = 3;
 /// A fit is given up that would need more than so many times its last gain.
 const CATCHES_UP: f64 = 8.0;
+/// A fit so near in log odds is carried to its end, since the answer tells by how much it is behind: that of a rival, and as much again.
+pub(super) const NEAR: f64 = 6.0;
 
 /// A fit that goes on as long as it can catch up with the best.
 struct Runner {
@@ -51,7 +53,7 @@ pub(super) fn race(
         }
         for runner in &mut runners {
             let behind = best - runner.odds;
-            let catches_up = behind == 0.0 || behind < CATCHES_UP * runner.gained;
+            let catches_up = behind < NEAR.max(CATCHES_UP * runner.gained);
             runner.is_open &= catches_up && !runner.fit.is_converged;
         }
     }

@@ -212,6 +212,11 @@ fn named_finding(
         Some(_) => 1,
         None => MOST_EFFECTS,
     };
+    if case.kind() == Kind::Joint {
+        // Its forces tell the time as well as its runs, which cost far more.
+        let forces = on(&balance(case), case, &open, most, progress);
+        tell_time(case, &forces);
+    }
     let mut naming = settled(case, &open, most, progress)?;
     let best = naming.best();
     if !best.names.is_empty() && case.contradicts(&best.fit.model) {
@@ -219,8 +224,7 @@ fn named_finding(
         progress("the same with less faith in the model's numbers");
         naming = settled(case, &open, most, progress)?;
     }
-    if let Some(share) = share_of_a_sample(case, &naming) {
-        *case = case.driven_later(share);
+    if tell_time(case, &naming) {
         progress("the same with what drives the plant a part of a sample later");
         naming = names(case, &open, most, progress);
     }
@@ -260,20 +264,36 @@ fn settled(
     Ok(naming)
 }
 
+/// Reads what drives the plant a part of a sample later where the records say so, once; whether it was read anew.
+fn tell_time(case: &mut SmallCase, naming: &Naming) -> bool {
+    let share = match case.driven_later {
+        0.0 => share_of_a_sample(case, naming),
+        _ => None,
+    };
+    if let Some(share) = share {
+        *case = case.driven_later(share);
+    }
+    share.is_some()
+}
+
 fn names(
     case: &SmallCase,
     open: &[&'static Entry],
     most: usize,
     progress: &mut dyn FnMut(&str),
 ) -> Naming {
+    on(problem(case).as_ref(), case, open, most, progress)
+}
+
+fn on(
+    problem: &dyn Problem,
+    case: &SmallCase,
+    open: &[&'static Entry],
+    most: usize,
+    progress: &mut dyn FnMut(&str),
+) -> Naming {
     let (model, scales) = (&case.model.model, &case.scales);
-    name_effects(
-        problem(case).as_ref(),
-        model,
-        scales,
-        (open, most),
-        progress,
-    )
+    name_effects(problem, model, scales, (open, most), progress)
 }
 
 /// What sets of effects are fitted to. Where a joint sticks and for how long tells more of its friction than the forces while it moves.
