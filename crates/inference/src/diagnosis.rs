@@ -83,8 +83,8 @@ impl Diagnosis {
 
 /// Finds what is missing; `progress` hears of what is being fitted.
 ///
-/// An effect can stand in for a number that is further off than the model says, and it takes other numbers along. So where the best set
-/// contradicts what was known of them, the records are asked again with less faith in it.
+/// An effect can stand in for a number that is further off than the model says, or other numbers can. So where the best set contradicts
+/// what was known of them, the records are asked again with less faith in it.
 #[must_use]
 pub fn diagnose(problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis {
     let first = Explanation::of(problem, progress);
@@ -149,10 +149,9 @@ impl Explanation {
         &self.found.candidates[0]
     }
 
-    /// Whether wrong numbers could be all there is: effects explain the records, which may stand in for them, or neither effects nor numbers
-    /// do, which may be held back. Where effects gain and yet do not explain the records, something else is missing.
+    /// Whether wrong numbers could be all there is. Where effects gain and yet do not explain the records, something else is missing.
     fn may_be_of_numbers(&self) -> bool {
-        self.best().effects.is_empty() != self.check.is_passed()
+        self.best().effects.is_empty() || self.check.is_passed()
     }
 
     fn finish(self, problem: &Problem, progress: &mut dyn FnMut(&str)) -> Diagnosis {

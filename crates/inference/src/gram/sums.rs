@@ -288,7 +288,7 @@ mod tests {
             sums.advance(&end, piece);
             chain = next;
         }
-        // Readings with a common error as large as their own are correlated: one half of the variances of any two.
+        // A common error as large as each reading's own doubles the variances and makes half of them common.
         let count = of_encoder.len();
         let covariance = DMatrix::from_fn(count, count, |i, j| if i == j { 2.0 } else { 1.0 });
         let weights = covariance.try_inverse().unwrap_or_default();
